@@ -1,0 +1,38 @@
+# The third-party packages, each found once. Debian 12 and 13 name some of them differently: that is settled here.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(fmt REQUIRED)
+find_package(assimp REQUIRED)
+find_package(tinyobjloader REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(PNG REQUIRED)
+find_package(OpenEXR 3 REQUIRED)
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+
+# Embree 4 (Debian 13) or 3 (Debian 12), under one name
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 REQUIRED)
+endif()
+add_library(umax_embree INTERFACE)
+target_link_libraries(umax_embree INTERFACE embree)
+target_compile_definitions(umax_embree INTERFACE UMAX_EMBREE_VERSION=${EMBREE_VERSION_MAJOR})
+
+list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
+find_package(OpenVDB REQUIRED)
+
+# CHOLMOD: no CMake config on Debian 12
+find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+add_library(umax_cholmod INTERFACE)
+target_include_directories(umax_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
+target_link_libraries(umax_cholmod INTERFACE ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
+
+if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
+  find_package(Catch2 REQUIRED)
+endif()

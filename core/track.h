@@ -1,0 +1,36 @@
+// A value that may change over time: keys with linear or smooth interpolation, held before the first and after the last.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+namespace umax {
+
+enum class Interpolation { linear, smooth };
+
+/// Keyframed value. T needs + and multiplication by double. A constant is one key at time 0.
+template <class T>
+struct Track {
+  std::vector<double> times;  // [s] strictly increasing
+  std::vector<T> values;      // one per time
+  Interpolation interpolation = Interpolation::linear;
+
+  Track() = default;
+  Track(const T& constant) : times{0.0}, values{constant} {}  // NOLINT(google-explicit-constructor): a constant is a track
+
+  bool is_constant() const { return values.size() == 1; }
+
+  /// Value at time [s]. "smooth" eases in and out of every key with 3s^2 - 2s^3.
+  T at(double time) const {
+    assert(!values.empty() && values.size() == times.size());
+    if (time <= times.front()) return values.front();
+    if (time >= times.back()) return values.back();
+    const auto next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
+    double s = (time - times[next - 1]) / (times[next] - times[next - 1]);
+    if (interpolation == Interpolation::smooth) s = s * s * (3.0 - 2.0 * s);
+    return T(values[next - 1] * (1.0 - s) + values[next] * s);
+  }
+};
+
+}  // namespace umax
