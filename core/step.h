@@ -1,0 +1,80 @@
+// One time step of the whole model: backward Euler with energy limits and frictional contact.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "core/energy_limit.h"
+#include "core/model.h"
+
+namespace umax {
+
+enum class SolverMethod {
+  exact,  // hybrid SQP: limits in the matrix, contacts by Schur complement (THEORY 5)
+  paper,  // [PPO13] Sect. 5 in its accumulating form: limits and contacts in one projected Gauss-Seidel
+};
+
+struct SolverOptions {
+  SolverMethod method = SolverMethod::paper;
+  double tolerance = 1e-3;  // [-] bound on U/U_max - 1 at the end of a step
+  EnergyMeasure energy = EnergyMeasure::true_energy;
+  RotationEstimate rotation = RotationEstimate::centre;
+  LimitJacobian jacobian = LimitJacobian::exact;
+  int max_iterations = 100;       // re-linearisations a step
+  int max_sweeps = 2000;          // Gauss-Seidel sweeps a re-linearisation
+  double sweep_tolerance = 1e-6;  // [-] relative change at which the sweeps stop
+};
+
+struct StepOptions {
+  double time_step = 1.0 / 60;       // [s]
+  Vector3d gravity{0, -9.81, 0};     // [m/s^2]
+  SolverOptions solver;
+  /// Called once an iteration when set (umax simulate --verbose).
+  std::function<void(int iteration, double max_energy_ratio, double max_penetration, double change)> on_iteration;
+};
+
+enum class StepStatus {
+  converged,
+  iteration_limit,  // did not reach the tolerance: more substeps, a looser tolerance or a softer limit help
+  infeasible,       // the step began beyond its limits and has not come back yet
+};
+
+struct StepReport {
+  StepStatus status = StepStatus::converged;
+  int limits_active = 0;       // hexes with a positive limit multiplier
+  int contacts = 0;            // contact constraints solved
+  int sqp_iterations = 0;
+  int factorisations = 0;
+  int linear_iterations = 0;   // Gauss-Seidel sweeps
+  int retries = 0;             // at smaller step sizes
+  double max_energy_ratio = 0;   // [-] U/U_max at the end, fresh rotations
+  double kkt_residual = 0;       // [-]
+  double max_penetration = 0;    // [m] deepest surface vertex at the end
+  double kinetic_energy = 0;     // [J]
+  double elastic_energy = 0;     // [J]
+  double potential_energy = 0;   // [J] gravity, zero at height 0
+};
+
+/// Memory that steps reuse: symbolic analysis, element buffers. May be rebuilt at any step with the same bytes.
+class Workspace {
+ public:
+  explicit Workspace(const Model& model);
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  struct Data;
+  Data& data() { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+/// Advances state by one time step. Deterministic for any number of threads.
+StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state);
+
+/// The measured quantities of a state, without stepping.
+StepReport measure(const Model& model, const StepOptions& options, const State& state);
+
+/// U/U_max per hex (0 where not limited), freshly computed rotations.
+VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state);
+
+}  // namespace umax
