@@ -1,0 +1,2 @@
+#include "tests/support/catch.h"
+TEST_CASE("$r placeholder") { CHECK(true); }
