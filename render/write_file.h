@@ -1,0 +1,17 @@
+// Files that are either whole or not there: written under a temporary name in the same folder, flushed, renamed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace umax {
+
+/// Puts `bytes` at `path`, replacing what was there in one step. Throws Error 73 when the folder is missing or
+/// read-only or the disk is full, 74 when the write or the renaming fails otherwise; then `path` is as it was before.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The whole file. Throws Error 66 when it does not exist, 74 when it cannot be read.
+std::string read_file(const std::filesystem::path& path);
+
+}  // namespace umax
