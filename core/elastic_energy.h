@@ -14,8 +14,8 @@ namespace umax {
 
 /// An element's nodes seen from its own rotated frame; filled by corotate(), read by all functions below.
 struct CorotatedHex {
-  Matrix3d rotation = Matrix3d::Identity();  // R, world from local
-  Matrix3d stretch = Matrix3d::Identity();   // S = R^T G of the rotation estimate
+  Matrix3d rotation = Matrix3d::Identity();     // R, world from local
+  Matrix3d stretch = Matrix3d::Identity();      // S = R^T G of the rotation estimate
   Matrix8x3d local_nodes = Matrix8x3d::Zero();  // [m] y_j, relative to the centroid
   Vector24d displacement = Vector24d::Zero();   // [m] u = y - X
 };

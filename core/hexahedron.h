@@ -32,17 +32,18 @@ inline constexpr int num_rotation_estimates = 3;
 /// Everything an element's energy needs from its rest shape and Poisson's ratio; equal hexes share one.
 /// Stiffness is for unit Young's modulus: multiply by Young's modulus [Pa].
 struct HexShape {
-  Matrix8x3d rest_nodes = Matrix8x3d::Zero();            // [m] relative to the centroid of the 8 nodes
-  double volume = 0;                                     // [m^3]
-  double poisson = 0;                                    // [-]
-  Matrix24d stiffness = Matrix24d::Zero();               // [m] true energy U = Y/2 u^T K u
-  Matrix24d stiffness_paper = Matrix24d::Zero();         // [m] the paper's energy (Eq. 16) as 1/2 u^T K_p u
+  Matrix8x3d rest_nodes = Matrix8x3d::Zero();     // [m] relative to the centroid of the 8 nodes
+  double volume = 0;                              // [m^3]
+  double poisson = 0;                             // [-]
+  Matrix24d stiffness = Matrix24d::Zero();        // [m] true energy U = Y/2 u^T K u
+  Matrix24d stiffness_paper = Matrix24d::Zero();  // [m] the paper's energy (Eq. 16) as 1/2 u^T K_p u
   std::array<Matrix8x3d, num_rotation_estimates> rotation_gradients{};  // [1/m] row j: h_j with G_c = sum_j x_j h_j^T
-  std::array<Matrix8x3d, 8> gradients{};                 // [1/m] row j: dN_j/dX at each quadrature point
-  std::array<double, 8> weights{};                       // [m^3] w_q det(dX/ds)
+  std::array<Matrix8x3d, 8> gradients{};                                // [1/m] row j: dN_j/dX at each quadrature point
+  std::array<double, 8> weights{};                                      // [m^3] w_q det(dX/ds)
 };
 
-/// nodes: 8 x 3 rest positions [m]. The general isoparametric map; throws Error (bad_data) if det(dX/ds) <= 0 somewhere.
+/// nodes: 8 x 3 rest positions [m]. The general isoparametric map; throws Error (bad_data) if det(dX/ds) <= 0
+/// somewhere.
 HexShape make_hex_shape(const Matrix8x3d& nodes, double poisson);
 
 }  // namespace umax

@@ -13,7 +13,9 @@ namespace {
 
 using GridPoint = std::array<int, 3>;
 
-GridPoint corner(const GridPoint& cell, int n) { return {cell[0] + (n >> 2 & 1), cell[1] + (n >> 1 & 1), cell[2] + (n & 1)}; }
+GridPoint corner(const GridPoint& cell, int n) {
+  return {cell[0] + (n >> 2 & 1), cell[1] + (n >> 1 & 1), cell[2] + (n & 1)};
+}
 
 }  // namespace
 
@@ -50,7 +52,7 @@ Lattice make_lattice(const Cells& cells, const Vector3d& origin, const Vector3d&
 }
 
 Lattice make_box_lattice(const Vector3i& num_cells, const Vector3d& origin, const Vector3d& cell_size) {
-  Cells cells(Eigen::Index(num_cells[0]) * num_cells[1] * num_cells[2], 3);
+  Cells cells = Cells::Zero(Eigen::Index(num_cells[0]) * num_cells[1] * num_cells[2], 3);
   Eigen::Index e = 0;
   for (int i = 0; i < num_cells[0]; ++i)
     for (int j = 0; j < num_cells[1]; ++j)
@@ -67,7 +69,8 @@ void validate(const Lattice& lattice) {
     fail("needs one filled fraction per hex", std::to_string(lattice.filled_fraction.size()), "");
   if (lattice.cells.rows() != 0 && lattice.cells.rows() != lattice.num_hexes())
     fail("needs one grid coordinate per hex", std::to_string(lattice.cells.rows()), "");
-  if (!lattice.rest_positions.allFinite()) fail("has node positions that are not finite", "", "check the mesh's coordinates");
+  if (!lattice.rest_positions.allFinite())
+    fail("has node positions that are not finite", "", "check the mesh's coordinates");
   if (lattice.hexes.minCoeff() < 0 || lattice.hexes.maxCoeff() >= lattice.num_nodes())
     fail("has a hex that names a node outside the list", std::to_string(lattice.hexes.maxCoeff()), "");
 }

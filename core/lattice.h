@@ -6,12 +6,12 @@
 namespace umax {
 
 struct Lattice {
-  Points rest_positions;     // #N x 3 [m], nodes sorted by grid coordinates, x slowest, z fastest
-  Hexes hexes;               // #E x 8 indices into rest_positions, local order: core/hexahedron.h
-  Cells cells;               // #E x 3 grid coordinates of each hex, sorted likewise; empty: an irregular mesh
-  Vector3d origin{0, 0, 0};  // [m] corner of cell (0, 0, 0)
+  Points rest_positions;        // #N x 3 [m], nodes sorted by grid coordinates, x slowest, z fastest
+  Hexes hexes;                  // #E x 8 indices into rest_positions, local order: core/hexahedron.h
+  Cells cells;                  // #E x 3 grid coordinates of each hex, sorted likewise; empty: an irregular mesh
+  Vector3d origin{0, 0, 0};     // [m] corner of cell (0, 0, 0)
   Vector3d cell_size{0, 0, 0};  // [m] edge lengths; 0 for an irregular mesh
-  VectorXd filled_fraction;  // #E in [0, 1], share of each hex inside the surface
+  VectorXd filled_fraction;     // #E in [0, 1], share of each hex inside the surface
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }

@@ -29,27 +29,28 @@ struct EnergyLimitOptions {
 };
 
 struct MaterialOptions {
-  Track<double> young{500e3};          // [Pa]
-  double poisson = 0.3;                // [-]
-  double density = 500;                // [kg/m^3]
+  Track<double> young{500e3};  // [Pa]
+  double poisson = 0.3;        // [-]
+  double density = 500;        // [kg/m^3]
   MassModel mass = MassModel::mesh;
-  double damping_mass = 0;             // [1/s] Rayleigh alpha
-  double damping_stiffness = 0;        // [s] Rayleigh beta
+  double damping_mass = 0;       // [1/s] Rayleigh alpha
+  double damping_stiffness = 0;  // [s] Rayleigh beta
 };
 
 /// One body as the caller describes it to make_model().
 struct Body {
   std::string name;
-  Lattice lattice;              // placed in world coordinates at time 0
+  Lattice lattice;  // placed in world coordinates at time 0
   MaterialOptions material;
   EnergyLimitOptions limit;
-  double friction = 0.5;        // [-]
-  Vector3d velocity{0, 0, 0};   // [m/s]
-  Vector3d spin{0, 0, 0};       // [rad/s] about world axes through the centre of mass
-  std::vector<int> fixed_nodes; // lattice nodes that stay put
-  EmbeddedPoints surface;       // the mesh's vertices in this lattice: contact candidates
-  Points surface_rest;          // #P x 3 [m] their rest positions
-  std::shared_ptr<const SampledDistance> rest_distance;  // of the rest surface; may be null: obstacle edges pass through
+  double friction = 0.5;         // [-]
+  Vector3d velocity{0, 0, 0};    // [m/s]
+  Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
+  std::vector<int> fixed_nodes;  // lattice nodes that stay put
+  EmbeddedPoints surface;        // the mesh's vertices in this lattice: contact candidates
+  Points surface_rest;           // #P x 3 [m] their rest positions
+  std::shared_ptr<const SampledDistance>
+      rest_distance;  // of the rest surface; may be null: obstacle edges pass through
 };
 
 /// All bodies in one system of nodes and hexes. Built by make_model(); read-only afterwards.
@@ -62,23 +63,23 @@ struct Model {
     MaterialOptions material;
     EnergyLimitOptions limit;
     double friction = 0;
-    double cell_size = 0;                 // [m] smallest edge of its hexes: the unit of contact tolerances
+    double cell_size = 0;  // [m] smallest edge of its hexes: the unit of contact tolerances
     std::shared_ptr<const SampledDistance> rest_distance;
   };
   std::vector<BodyRange> bodies;
   std::vector<Obstacle> obstacles;
 
-  Points rest_positions;           // #N x 3 [m]
-  Points initial_velocities;       // #N x 3 [m/s]
-  VectorXd node_mass;              // #N [kg] lumped
-  std::vector<char> node_fixed;    // #N
-  Hexes hexes;                     // #E x 8
-  std::vector<HexShape> shapes;    // distinct element shapes
-  VectorXi hex_shape;              // #E index into shapes
-  VectorXi hex_body;               // #E index into bodies
-  VectorXd young_factor;           // #E [-] on the body's Young's modulus
-  VectorXd limit_factor;           // #E [-] on the body's limit
-  EmbeddedPoints surface;          // all bodies' surface vertices; hex indices are global
+  Points rest_positions;         // #N x 3 [m]
+  Points initial_velocities;     // #N x 3 [m/s]
+  VectorXd node_mass;            // #N [kg] lumped
+  std::vector<char> node_fixed;  // #N
+  Hexes hexes;                   // #E x 8
+  std::vector<HexShape> shapes;  // distinct element shapes
+  VectorXi hex_shape;            // #E index into shapes
+  VectorXi hex_body;             // #E index into bodies
+  VectorXd young_factor;         // #E [-] on the body's Young's modulus
+  VectorXd limit_factor;         // #E [-] on the body's limit
+  EmbeddedPoints surface;        // all bodies' surface vertices; hex indices are global
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }
@@ -95,17 +96,18 @@ double energy_limit_at(const Model& model, Eigen::Index hex, double time);
 struct State {
   /// Impulse of a contact of the last step, for warm starts.
   struct ContactImpulse {
-    int point = -1;                         // surface vertex; or -1 - (obstacle's edge point)
+    int point = -1;  // surface vertex; or -1 - (obstacle's edge point)
     int obstacle = -1;
-    Vector3d impulse = Vector3d::Zero();    // [N s] world
+    int hex = -1;                         // that held it
+    Vector3d impulse = Vector3d::Zero();  // [N s] world
   };
-  double time = 0;              // [s]
-  long long step = 0;           // time steps done
-  double substep = 0;           // [s] size of the last accepted sub-step; 0: not reduced
-  bool been_feasible = false;   // all hard limits have held once
-  Points positions;             // #N x 3 [m]
-  Points velocities;            // #N x 3 [m/s]
-  VectorXd limit_multipliers;   // #E [J] force-level, >= 0: limit force = -(multiplier / U_max) dU/dx
+  double time = 0;             // [s]
+  long long step = 0;          // time steps done
+  double substep = 0;          // [s] size of the last accepted sub-step; 0: not reduced
+  bool been_feasible = false;  // all hard limits have held once
+  Points positions;            // #N x 3 [m]
+  Points velocities;           // #N x 3 [m/s]
+  VectorXd limit_multipliers;  // #E [J] force-level, >= 0: limit force = -(multiplier / U_max) dU/dx
   std::vector<ContactImpulse> contacts;
 };
 

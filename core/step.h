@@ -26,8 +26,8 @@ struct SolverOptions {
 };
 
 struct StepOptions {
-  double time_step = 1.0 / 60;       // [s]
-  Vector3d gravity{0, -9.81, 0};     // [m/s^2]
+  double time_step = 1.0 / 60;    // [s]
+  Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   SolverOptions solver;
   /// Called once an iteration when set (umax simulate --verbose).
   std::function<void(int iteration, double max_energy_ratio, double max_penetration, double change)> on_iteration;
@@ -41,18 +41,18 @@ enum class StepStatus {
 
 struct StepReport {
   StepStatus status = StepStatus::converged;
-  int limits_active = 0;       // hexes with a positive limit multiplier
-  int contacts = 0;            // contact constraints solved
+  int limits_active = 0;  // hexes with a positive limit multiplier
+  int contacts = 0;       // contact constraints solved
   int sqp_iterations = 0;
   int factorisations = 0;
-  int linear_iterations = 0;   // Gauss-Seidel sweeps
-  int retries = 0;             // at smaller step sizes
-  double max_energy_ratio = 0;   // [-] U/U_max at the end, fresh rotations
-  double kkt_residual = 0;       // [-]
-  double max_penetration = 0;    // [m] deepest surface vertex at the end
-  double kinetic_energy = 0;     // [J]
-  double elastic_energy = 0;     // [J]
-  double potential_energy = 0;   // [J] gravity, zero at height 0
+  int linear_iterations = 0;    // Gauss-Seidel sweeps
+  int retries = 0;              // at smaller step sizes
+  double max_energy_ratio = 0;  // [-] U/U_max at the end, fresh rotations
+  double kkt_residual = 0;      // [-]
+  double max_penetration = 0;   // [m] deepest surface vertex at the end
+  double kinetic_energy = 0;    // [J]
+  double elastic_energy = 0;    // [J]
+  double potential_energy = 0;  // [J] gravity, zero at height 0
 };
 
 /// Memory that steps reuse: symbolic analysis, element buffers. May be rebuilt at any step with the same bytes.

@@ -1,4 +1,5 @@
-// A value that may change over time: keys with linear or smooth interpolation, held before the first and after the last.
+// A value that may change over time: keys with linear or smooth interpolation, held before the first and after the
+// last.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,8 @@ struct Track {
   Interpolation interpolation = Interpolation::linear;
 
   Track() = default;
-  Track(const T& constant) : times{0.0}, values{constant} {}  // NOLINT(google-explicit-constructor): a constant is a track
+  Track(const T& constant)
+      : times{0.0}, values{constant} {}  // NOLINT(google-explicit-constructor): a constant is a track
 
   bool is_constant() const { return values.size() == 1; }
 

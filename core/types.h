@@ -12,13 +12,13 @@ using Eigen::Vector3i;
 using Eigen::VectorXd;
 using Eigen::VectorXi;
 
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;    // #P x 3
-using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;    // #T x 3
-using Hexes = Eigen::Matrix<int, Eigen::Dynamic, 8, Eigen::RowMajor>;        // #E x 8, local order: see core/hexahedron.h
-using Cells = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;        // #E x 3 integer grid coordinates
-using Matrix8x3d = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;             // a hexahedron's nodes, one a row
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #P x 3
+using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #T x 3
+using Hexes = Eigen::Matrix<int, Eigen::Dynamic, 8, Eigen::RowMajor>;      // #E x 8, local order: see core/hexahedron.h
+using Cells = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;      // #E x 3 integer grid coordinates
+using Matrix8x3d = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;           // a hexahedron's nodes, one a row
 using Vector8d = Eigen::Matrix<double, 8, 1>;
-using Vector24d = Eigen::Matrix<double, 24, 1>;                              // 8 nodes x (x, y, z), node after node
+using Vector24d = Eigen::Matrix<double, 24, 1>;  // 8 nodes x (x, y, z), node after node
 using Matrix24d = Eigen::Matrix<double, 24, 24>;
 
 }  // namespace umax

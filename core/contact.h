@@ -1,0 +1,65 @@
+// Contact between embedded surfaces and obstacles: which points touch, where, how deep.
+//
+// Unilateral constraint      g_i(x) >= 0      g_i: signed distance of surface point i to an obstacle at the step's end
+// [m] Linearised                 g_i + n . J_i dx >= 0,  J_i = the 8 trilinear weights of the point in its hex All
+// surface vertices are candidates, and sample points along the obstacles' edges against the body's surface. For the
+// solve they are clustered: the deepest one per hex and obstacle joins the working set, again and again, until none of
+// the others lies deeper than the tolerance.
+#pragma once
+
+#include <vector>
+
+#include "core/model.h"
+
+namespace umax {
+
+/// One contact constraint of the working set.
+struct Contact {
+  int point = 0;     // surface vertex; or -1 - k for the obstacle's edge point k
+  int obstacle = 0;  // index into Model::obstacles
+  int hex = 0;       // where on the body, with
+  Vector8d weights = Vector8d::Zero();
+  Vector3d normal = Vector3d::UnitY();          // world, out of the obstacle
+  double gap = 0;                               // [m] to be kept >= 0; see ContactStep::allowed_depth
+  double friction = 0;                          // [-]
+  Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
+  Vector3d impulse = Vector3d::Zero();          // [N s] world, on the body
+};
+
+/// What detection needs that never changes during a run.
+struct ContactGeometry {
+  std::vector<int> hex_starts;      // #E + 1 into hex_points
+  std::vector<int> hex_points;      // surface vertices by hex
+  std::vector<Points> edge_points;  // per obstacle: its own frame [m]
+};
+ContactGeometry make_contact_geometry(const Model& model);
+
+/// What detection needs during one step.
+struct ContactStep {
+  const Model* model = nullptr;
+  const ContactGeometry* geometry = nullptr;
+  std::vector<Pose> poses_t0, poses_t1;  // per obstacle
+  Points positions_t0;                   // #N x 3 [m]
+  double recovery = 0;                   // [-] share of a cell by which a start in penetration is pushed out per step
+};
+ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
+                               double time_t0, double time_step, double gravity);
+
+/// Depth [m] that a vertex may have at the end of the step: 0, unless it began deeper (a start in penetration, which is
+/// pushed out at a bounded speed instead of at once).
+double tolerance_depth(const Model& model, int hex);
+
+/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
+void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+
+/// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the
+/// set. share 0: every touching hex. Returns the number added.
+int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts);
+
+/// The deepest surface vertex at the given time [m], 0 if none penetrates.
+double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time);
+
+/// Position of a point that rides in a hex.
+Vector3d embedded_position(const Model& model, const Points& positions, int hex, const Vector8d& weights);
+
+}  // namespace umax

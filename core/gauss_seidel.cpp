@@ -1,0 +1,80 @@
+#include "core/gauss_seidel.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace umax {
+namespace {
+
+// larger eigenvalue of W_ii across the normal: the step size with which the friction update contracts
+double tangential_stiffness(const Matrix3d& W, const Vector3d& n) {
+  const Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+  const double a = t1.dot(W * t1), b = t1.dot(W * t2), c = t2.dot(W * t2);
+  return 0.5 * (a + c) + std::sqrt(0.25 * (a - c) * (a - c) + b * b);
+}
+
+struct LargestChange {
+  double change = 0, size = 0;
+  void add(double delta, double value) {
+    change = std::max(change, std::abs(delta));
+    size = std::max(size, std::abs(value));
+  }
+  bool below(double tolerance) const { return change <= tolerance * size; }
+};
+
+}  // namespace
+
+Vector3d project_to_disc(const Vector3d& tangential, double radius) {
+  const double length = tangential.norm();
+  return length <= radius ? tangential : Vector3d(tangential * (radius / length));
+}
+
+GaussSeidelResult gauss_seidel(const ComplementarityProblem& problem, const GaussSeidelOptions& options, VectorXd& z) {
+  const int num_contacts = int(problem.contacts.size()), first_limit = 3 * num_contacts;
+  VectorXd w = problem.W * z + problem.q;
+  std::vector<double> normal_stiffness(num_contacts), friction_stiffness(num_contacts);
+  for (int i = 0; i < num_contacts; ++i) {
+    const Matrix3d W = problem.W.block<3, 3>(3 * i, 3 * i);
+    normal_stiffness[i] = problem.contacts[i].normal.dot(W * problem.contacts[i].normal);
+    friction_stiffness[i] = tangential_stiffness(W, problem.contacts[i].normal);
+  }
+
+  GaussSeidelResult result;
+  while (!result.converged && result.sweeps < options.max_sweeps) {
+    ++result.sweeps;
+    LargestChange contact_change, limit_change;
+    for (int i = 0; i < num_contacts; ++i) {
+      const ContactRow& contact = problem.contacts[i];
+      const Vector3d n = contact.normal, old = z.segment<3>(3 * i);
+      const double old_normal = n.dot(old);
+      // normal impulse first, then friction within the new cone
+      const double normal =
+          std::max(0.0, old_normal - (n.dot(w.segment<3>(3 * i)) + contact.bias) / normal_stiffness[i]);
+      const Vector3d velocity = w.segment<3>(3 * i) + problem.W.block<3, 3>(3 * i, 3 * i) * n * (normal - old_normal);
+      const Vector3d old_tangential = old - old_normal * n;
+      const Vector3d sliding = velocity - n.dot(velocity) * n;
+      const Vector3d tangential =
+          project_to_disc(old_tangential - sliding / friction_stiffness[i], contact.friction * normal);
+      const Vector3d change = normal * n + tangential - old;
+      if (change.squaredNorm() > 0) {
+        z.segment<3>(3 * i) += change;
+        w.noalias() += problem.W.middleCols<3>(3 * i) * change;
+      }
+      contact_change.add(change.cwiseAbs().maxCoeff(), z.segment<3>(3 * i).cwiseAbs().maxCoeff());
+    }
+    for (int row = first_limit; row < first_limit + problem.num_limits; ++row) {
+      const double value = std::max(0.0, z[row] - w[row] / problem.W(row, row));
+      const double change = value - z[row];
+      if (change != 0) {
+        z[row] = value;
+        w.noalias() += problem.W.col(row) * change;
+      }
+      limit_change.add(change, value);
+    }
+    result.converged = contact_change.below(options.tolerance) && limit_change.below(options.tolerance);
+  }
+  return result;
+}
+
+}  // namespace umax

@@ -1,0 +1,192 @@
+#include "core/model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+#include "core/material.h"
+
+namespace umax {
+namespace {
+
+// cells that hold little of the solid keep this share of their mass, so that no node is weightless
+constexpr double least_filled_fraction = 0.05;
+
+[[noreturn]] void fail(const Body& body, const std::string& key, const std::string& what, double value,
+                       const std::string& remedy) {
+  throw Error(ExitCode::bad_data, {"body." + body.name + "." + key, what, std::to_string(value), remedy});
+}
+
+void validate(const Body& body) {
+  validate(body.lattice);
+  const MaterialOptions& m = body.material;
+  for (const double young : m.young.values)
+    if (!(young > 0) || !std::isfinite(young))
+      fail(body, "material.young", "must be positive", young, "give e.g. \"500 kPa\"");
+  if (!(m.poisson > -1 && m.poisson < 0.5))
+    fail(body, "material.poisson", "must lie in (-1, 0.5)", m.poisson, "0.3 suits most");
+  if (!(m.density > 0)) fail(body, "material.density", "must be positive", m.density, "give e.g. \"500 kg/m^3\"");
+  if (!(m.damping_mass >= 0))
+    fail(body, "material.damping_mass", "must not be negative", m.damping_mass, "0 switches it off");
+  if (!(m.damping_stiffness >= 0))
+    fail(body, "material.damping_stiffness", "must not be negative", m.damping_stiffness, "0 switches it off");
+  if (!(body.friction >= 0)) fail(body, "friction", "must not be negative", body.friction, "0 is frictionless");
+  if (body.limit.kind != LimitKind::none)
+    for (const double value : body.limit.value.values)
+      if (!(value > 0) || !std::isfinite(value))
+        fail(body, "limit", "must be positive", value, "or set limit.kind = \"none\"");
+}
+
+Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex) {
+  Matrix8x3d nodes;
+  for (int n = 0; n < 8; ++n) nodes.row(n) = lattice.rest_positions.row(lattice.hexes(hex, n));
+  return nodes;
+}
+
+// equal cells of a regular lattice share one shape; an irregular hex has its own
+void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
+  const bool regular = body.lattice.cells.rows() > 0;
+  for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
+    if (!regular || e == 0) {
+      Matrix8x3d nodes = rest_nodes(body.lattice, e);
+      if (regular)  // exact corners: the shape must not carry the rounding of one cell's place in the grid
+        for (int n = 0; n < 8; ++n)
+          for (int axis = 0; axis < 3; ++axis) nodes(n, axis) = (n >> (2 - axis) & 1) * body.lattice.cell_size[axis];
+      model.shapes.push_back(make_hex_shape(nodes, body.material.poisson));
+    }
+    model.hex_shape[first_hex + e] = int(model.shapes.size()) - 1;
+  }
+}
+
+void append_masses(const Body& body, Eigen::Index first_node, Eigen::Index first_hex, Model& model) {
+  for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
+    double fraction = 1;
+    if (body.material.mass == MassModel::mesh)
+      fraction = std::max(least_filled_fraction, body.lattice.filled_fraction[e]);
+    const double share = body.material.density * model.shapes[model.hex_shape[first_hex + e]].volume * fraction / 8;
+    for (int n = 0; n < 8; ++n) model.node_mass[first_node + body.lattice.hexes(e, n)] += share;
+  }
+}
+
+void set_initial_velocities(const Body& body, Eigen::Index first_node, Model& model) {
+  const Eigen::Index count = body.lattice.num_nodes();
+  const auto mass = model.node_mass.segment(first_node, count);
+  const Vector3d centre = (body.lattice.rest_positions.transpose() * mass) / mass.sum();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Vector3d arm = body.lattice.rest_positions.row(i).transpose() - centre;
+    const Vector3d velocity = body.velocity + body.spin.cross(arm);
+    if (!model.node_fixed[first_node + i]) model.initial_velocities.row(first_node + i) = velocity.transpose();
+  }
+}
+
+double smallest_edge(const Lattice& lattice) {
+  if (lattice.cells.rows() > 0) return lattice.cell_size.minCoeff();
+  double smallest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
+    for (int n = 0; n < 8; ++n)
+      for (int bit = 1; bit < 8; bit <<= 1)
+        if (!(n & bit))
+          smallest = std::min(smallest, (lattice.rest_positions.row(lattice.hexes(e, n)) -
+                                         lattice.rest_positions.row(lattice.hexes(e, n | bit)))
+                                            .norm());
+  return smallest;
+}
+
+void append(const Body& body, Model& model) {
+  validate(body);
+  const Eigen::Index node = model.num_nodes(), hex = model.num_hexes(), point = model.surface.size();
+  const Eigen::Index num_nodes = body.lattice.num_nodes(), num_hexes = body.lattice.num_hexes();
+
+  Model::BodyRange range;
+  range.name = body.name;
+  range.first_node = int(node), range.num_nodes = int(num_nodes);
+  range.first_hex = int(hex), range.num_hexes = int(num_hexes);
+  range.first_point = int(point), range.num_points = int(body.surface.size());
+  range.material = body.material;
+  range.limit = body.limit;
+  range.friction = body.friction;
+  range.cell_size = smallest_edge(body.lattice);
+  range.rest_distance = body.rest_distance;
+  model.bodies.push_back(range);
+
+  model.rest_positions.conservativeResize(node + num_nodes, 3);
+  model.rest_positions.bottomRows(num_nodes) = body.lattice.rest_positions;
+  model.initial_velocities.conservativeResizeLike(Points::Zero(node + num_nodes, 3));
+  model.node_mass.conservativeResizeLike(VectorXd::Zero(node + num_nodes));
+  model.node_fixed.resize(node + num_nodes, 0);
+  for (const int fixed : body.fixed_nodes) model.node_fixed[node + fixed] = 1;
+
+  model.hexes.conservativeResize(hex + num_hexes, 8);
+  model.hexes.bottomRows(num_hexes) = body.lattice.hexes.array() + int(node);
+  model.hex_shape.conservativeResize(hex + num_hexes);
+  model.hex_body.conservativeResize(hex + num_hexes);
+  model.hex_body.tail(num_hexes).setConstant(int(model.bodies.size()) - 1);
+  model.young_factor.conservativeResizeLike(VectorXd::Ones(hex + num_hexes));
+  model.limit_factor.conservativeResizeLike(VectorXd::Ones(hex + num_hexes));
+  model.young_factor.tail(num_hexes).setOnes();
+  model.limit_factor.tail(num_hexes).setOnes();
+
+  model.surface.hex.conservativeResize(point + body.surface.size());
+  model.surface.hex.tail(body.surface.size()) = body.surface.hex.array() + int(hex);
+  model.surface.weights.conservativeResize(point + body.surface.size(), 8);
+  model.surface.weights.bottomRows(body.surface.size()) = body.surface.weights;
+
+  append_shapes(body, hex, model);
+  append_masses(body, node, hex, model);
+  set_initial_velocities(body, node, model);
+}
+
+}  // namespace
+
+Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles) {
+  Model model;
+  model.rest_positions.resize(0, 3);
+  model.initial_velocities.resize(0, 3);
+  model.hexes.resize(0, 8);
+  model.surface.weights.resize(0, 8);
+  for (const Body& body : bodies) append(body, model);
+  for (const Obstacle& obstacle : obstacles)
+    if (!(obstacle.friction >= 0))
+      throw Error(ExitCode::bad_data, {"obstacle." + obstacle.name + ".friction", "must not be negative",
+                                       std::to_string(obstacle.friction), "0 is frictionless"});
+  model.obstacles = obstacles;
+  return model;
+}
+
+double young_at(const Model& model, Eigen::Index hex, double time) {
+  return model.bodies[model.hex_body[hex]].material.young.at(time) * model.young_factor[hex];
+}
+
+double energy_limit_at(const Model& model, Eigen::Index hex, double time) {
+  const Model::BodyRange& body = model.bodies[model.hex_body[hex]];
+  if (body.limit.kind == LimitKind::none) return std::numeric_limits<double>::infinity();
+  const double value = body.limit.value.at(time);
+  const double volume = model.shapes[model.hex_shape[hex]].volume;
+  switch (body.limit.unit) {
+    case LimitUnit::energy:
+      return value * model.limit_factor[hex];
+    case LimitUnit::density:
+      return value * volume * model.limit_factor[hex];
+    case LimitUnit::stretch:
+      break;
+  }
+  return density_from_stretch(young_at(model, hex, time), value) * volume * model.limit_factor[hex];
+}
+
+State rest_state(const Model& model) {
+  State state;
+  state.positions = model.rest_positions;
+  state.velocities = model.initial_velocities;
+  state.limit_multipliers = VectorXd::Zero(model.num_hexes());
+  return state;
+}
+
+Matrix8x3d hex_nodes(const Model& model, const Points& positions, Eigen::Index hex) {
+  Matrix8x3d nodes;
+  for (int n = 0; n < 8; ++n) nodes.row(n) = positions.row(model.hexes(hex, n));
+  return nodes;
+}
+
+}  // namespace umax

@@ -1,0 +1,287 @@
+#include "core/paper_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/gauss_seidel.h"
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index hexes_per_block = 32;
+// vertices deeper than this share of the tolerance join the working set, so that the rest stays within it
+constexpr double joining_share = 0.5;
+
+// the step's unknowns as they are improved
+struct PaperIterate {
+  VectorXd velocity;              // 3 #N
+  Points positions;               // x0 + h v
+  VectorXd ratios;                // #E U/U_max at positions
+  std::vector<char> candidate;    // #E violated at some iteration of this step
+  VectorXd multipliers;           // #E accumulated impulse-level
+  std::vector<Contact> contacts;  // working set
+  MatrixXd contact_columns;       // 3 #N x 3 #C: A^-1 J^T of the contacts
+};
+
+// A of Eq. 19 with the warped stiffness at x0; returns h f_el(x0)
+VectorXd assemble(const StepProblem& problem, SystemMatrix& matrix) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  reset(matrix);
+  add_mass((model.node_mass.array() * (1 + h * problem.damping_mass.array())).matrix(), 1, matrix);
+  VectorXd elastic_impulse = VectorXd::Zero(3 * model.num_nodes());
+  constexpr Eigen::Index chunk = 2048;
+  std::vector<Matrix24d> stiffness(std::min(chunk, model.num_hexes()));
+  std::vector<Vector24d> gradient(stiffness.size());
+  for (Eigen::Index first = 0; first < model.num_hexes(); first += chunk) {
+    const Eigen::Index count = std::min(chunk, model.num_hexes() - first);
+    parallel_blocks(count, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index i = begin; i < end; ++i) {
+        const Eigen::Index e = first + i;
+        const HexShape& shape = model.shapes[model.hex_shape[e]];
+        const CorotatedHex hex =
+            corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
+        stiffness[i] =
+            (h * h + h * problem.damping_stiffness[e]) * warped_hessian(shape.stiffness, problem.young[e], hex);
+        gradient[i] = warped_gradient(shape.stiffness, problem.young[e], hex);
+      }
+    });
+    for (Eigen::Index i = 0; i < count; ++i) {
+      add_element(first + i, stiffness[i], matrix);
+      for (int n = 0; n < 8; ++n)
+        elastic_impulse.segment<3>(3 * model.hexes(first + i, n)) -= h * gradient[i].segment<3>(3 * n);
+    }
+  }
+  return elastic_impulse;
+}
+
+// v* of Eq. 19
+VectorXd unconstrained_velocity(const StepProblem& problem, VectorXd elastic_impulse, const SparseCholesky& cholesky) {
+  const Model& model = *problem.model;
+  VectorXd b = std::move(elastic_impulse);
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    b.segment<3>(3 * node) +=
+        model.node_mass[node] * (problem.velocities_t0.row(node).transpose() + problem.h * problem.options->gravity);
+  clear_fixed(model, b);
+  cholesky.solve(b);
+  return b;
+}
+
+void move_to_velocity(const StepProblem& problem, PaperIterate& iterate) {
+  iterate.positions = problem.positions_t0 + problem.h * unflatten(iterate.velocity);
+}
+
+// A^-1 J^T for the three world directions of the contacts from `first` on
+void append_contact_columns(const StepProblem& problem, const SparseCholesky& cholesky, std::size_t first,
+                            PaperIterate& iterate) {
+  const Model& model = *problem.model;
+  const Eigen::Index old = 3 * Eigen::Index(first), count = 3 * Eigen::Index(iterate.contacts.size()) - old;
+  if (count == 0) return;
+  MatrixXd columns = MatrixXd::Zero(3 * model.num_nodes(), count);
+  for (std::size_t i = first; i < iterate.contacts.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      spread(model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(3 * Eigen::Index(i - first) + axis));
+  clear_fixed(model, columns);
+  cholesky.solve(columns);
+  iterate.contact_columns.conservativeResize(3 * model.num_nodes(), old + count);
+  iterate.contact_columns.rightCols(count) = columns;
+}
+
+// contacts of the last step push from the start
+void apply_remembered_impulses(PaperIterate& iterate) {
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+    iterate.velocity += iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) * iterate.contacts[i].impulse;
+}
+
+// contacts of obstacle edges slide through the material: their columns follow
+void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+    if (iterate.contacts[i].point >= 0) continue;
+    MatrixXd columns = MatrixXd::Zero(iterate.velocity.size(), 3);
+    for (int axis = 0; axis < 3; ++axis)
+      spread(*problem.model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(axis));
+    clear_fixed(*problem.model, columns);
+    cholesky.solve(columns);
+    iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) = columns;
+  }
+}
+
+// rows dC/dx of the candidate limits, one 24-vector each
+std::vector<Vector24d> limit_rows(const StepProblem& problem, const std::vector<int>& limits, const Points& positions) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  std::vector<Vector24d> rows(limits.size());
+  parallel_blocks(Eigen::Index(limits.size()), 8, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const int e = limits[i];
+      const HexShape& shape = model.shapes[model.hex_shape[e]];
+      const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
+      rows[i] = energy_limit_jacobian(shape, solver.energy, solver.jacobian, solver.rotation, problem.young[e],
+                                      problem.limits[e], hex);
+      for (int n = 0; n < 8; ++n)
+        if (model.node_fixed[model.hexes(e, n)]) rows[i].segment<3>(3 * n).setZero();
+    }
+  });
+  return rows;
+}
+
+MatrixXd scatter(const Model& model, const std::vector<int>& limits, const std::vector<Vector24d>& rows) {
+  MatrixXd columns = MatrixXd::Zero(3 * model.num_nodes(), Eigen::Index(limits.size()));
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    for (int n = 0; n < 8; ++n)
+      columns.col(Eigen::Index(i)).segment<3>(3 * model.hexes(limits[i], n)) = rows[i].segment<3>(3 * n);
+  return columns;
+}
+
+// J A^-1 J^T row by row: J is sparse (8 nodes a row), A^-1 J^T given
+MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const std::vector<int>& limits,
+                  const std::vector<Vector24d>& rows, const MatrixXd& limit_columns) {
+  const Model& model = *problem.model;
+  const Eigen::Index num_contact_rows = iterate.contact_columns.cols(), num_limits = limit_columns.cols();
+  MatrixXd W = MatrixXd::Zero(num_contact_rows + num_limits, num_contact_rows + num_limits);
+  const auto fill = [&](Eigen::Index column, const auto& response) {
+    for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+      const Contact& contact = iterate.contacts[i];
+      Vector3d sum = Vector3d::Zero();
+      for (int n = 0; n < 8; ++n)
+        sum += contact.weights[n] * response.template segment<3>(3 * model.hexes(contact.hex, n));
+      W.col(column).segment<3>(3 * Eigen::Index(i)) = sum;
+    }
+    for (std::size_t e = 0; e < limits.size(); ++e) {
+      double sum = 0;
+      for (int n = 0; n < 8; ++n)
+        sum += rows[e].segment<3>(3 * n).dot(response.template segment<3>(3 * model.hexes(limits[e], n)));
+      W(num_contact_rows + Eigen::Index(e), column) = sum;
+    }
+  };
+  for (Eigen::Index c = 0; c < num_contact_rows; ++c) fill(c, iterate.contact_columns.col(c));
+  for (Eigen::Index c = 0; c < num_limits; ++c) fill(num_contact_rows + c, limit_columns.col(c));
+  return W;
+}
+
+// Eq. 23 at the current velocity: contact impulses are totals, limit multipliers increments
+ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate& iterate,
+                                 const std::vector<int>& limits, MatrixXd W, const VectorXd& z) {
+  ComplementarityProblem lcp;
+  const Eigen::Index num_contact_rows = 3 * Eigen::Index(iterate.contacts.size());
+  lcp.num_limits = int(limits.size());
+  lcp.q = VectorXd::Zero(W.rows());
+  const Points velocity = unflatten(iterate.velocity);
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+    const Contact& contact = iterate.contacts[i];
+    const Vector3d relative =
+        embedded_position(*problem.model, velocity, contact.hex, contact.weights) - contact.obstacle_motion / problem.h;
+    lcp.q.segment<3>(3 * Eigen::Index(i)) = relative;
+    lcp.contacts.push_back({contact.normal, contact.friction, contact.gap / problem.h - contact.normal.dot(relative)});
+  }
+  for (std::size_t e = 0; e < limits.size(); ++e)
+    lcp.q[num_contact_rows + Eigen::Index(e)] = (1 - iterate.ratios[limits[e]]) / problem.h;
+  lcp.q -= W.leftCols(num_contact_rows) * z.head(num_contact_rows);
+  lcp.W = std::move(W);
+  return lcp;
+}
+
+// one re-linearisation: Jacobians at the current positions, one Gauss-Seidel, velocities corrected
+int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
+  const Model& model = *problem.model;
+  std::vector<int> limits;
+  for (int e = 0; e < int(model.num_hexes()); ++e)
+    if (iterate.candidate[e]) limits.push_back(e);
+  refresh_edge_columns(problem, cholesky, iterate);
+  const std::vector<Vector24d> rows = limit_rows(problem, limits, iterate.positions);
+  MatrixXd limit_columns = scatter(model, limits, rows);
+  cholesky.solve(limit_columns);
+
+  const Eigen::Index num_contact_rows = iterate.contact_columns.cols();
+  VectorXd z = VectorXd::Zero(num_contact_rows + Eigen::Index(limits.size()));
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+    z.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].impulse;
+  const VectorXd before = z;
+  const ComplementarityProblem lcp =
+      linearise(problem, iterate, limits, delassus(problem, iterate, limits, rows, limit_columns), z);
+  const SolverOptions& solver = problem.options->solver;
+  const GaussSeidelResult result =
+      gauss_seidel(lcp, {.max_sweeps = solver.max_sweeps, .tolerance = solver.sweep_tolerance}, z);
+
+  const VectorXd change = z - before;
+  iterate.velocity += iterate.contact_columns * change.head(num_contact_rows) +
+                      limit_columns * change.tail(Eigen::Index(limits.size()));
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+    iterate.contacts[i].impulse = z.segment<3>(3 * Eigen::Index(i));
+  for (std::size_t e = 0; e < limits.size(); ++e)
+    iterate.multipliers[limits[e]] += z[num_contact_rows + Eigen::Index(e)];
+  return result.sweeps;
+}
+
+// deepest working-set gap relative to its tolerance; negative beyond -1 means too deep
+double worst_gap(const Model& model, const std::vector<Contact>& contacts) {
+  double worst = 0;
+  for (const Contact& contact : contacts) worst = std::min(worst, contact.gap / tolerance_depth(model, contact.hex));
+  return worst;
+}
+
+// evaluates limits and contacts at the current positions; true if all hold
+bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
+  const double tolerance = problem.options->solver.tolerance;
+  iterate.ratios = energy_ratios(problem, iterate.positions);
+  bool hold = true;
+  for (Eigen::Index e = 0; e < iterate.ratios.size(); ++e)
+    if (iterate.ratios[e] > 1) {
+      iterate.candidate[e] = 1;
+      hold = hold && iterate.ratios[e] <= 1 + tolerance;
+    }
+  update_contacts(problem.contact, iterate.positions, iterate.contacts);
+  hold = hold && worst_gap(*problem.model, iterate.contacts) >= -joining_share;
+  const std::size_t known = iterate.contacts.size();
+  const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+  append_contact_columns(problem, cholesky, known, iterate);
+  return hold && added == 0;
+}
+
+}  // namespace
+
+StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, State& state) {
+  const Model& model = *problem.model;
+  StepReport report;
+  VectorXd elastic_impulse = assemble(problem, workspace.matrix);
+  workspace.cholesky.factorize(workspace.matrix);
+  report.factorisations = 1;
+
+  PaperIterate iterate;
+  iterate.velocity = unconstrained_velocity(problem, std::move(elastic_impulse), workspace.cholesky);
+  iterate.candidate.assign(model.num_hexes(), 0);
+  iterate.multipliers = VectorXd::Zero(model.num_hexes());
+  iterate.contact_columns.resize(3 * model.num_nodes(), 0);
+  move_to_velocity(problem, iterate);
+  iterate.contacts = recall_contacts(problem, state, iterate.positions);
+  append_contact_columns(problem, workspace.cholesky, 0, iterate);
+  apply_remembered_impulses(iterate);
+  move_to_velocity(problem, iterate);
+
+  bool must_solve = !iterate.contacts.empty();  // remembered impulses are a guess, not a solution
+  while (!constraints_hold(problem, workspace.cholesky, iterate) || must_solve) {
+    must_solve = false;
+    if (report.sqp_iterations == problem.options->solver.max_iterations) {
+      report.status = StepStatus::iteration_limit;
+      break;
+    }
+    ++report.sqp_iterations;
+    report.linear_iterations += correct(problem, workspace.cholesky, iterate);
+    move_to_velocity(problem, iterate);
+    if (problem.options->on_iteration)
+      problem.options->on_iteration(report.sqp_iterations, iterate.ratios.maxCoeff(),
+                                    -worst_gap(model, iterate.contacts), 0.0);
+  }
+
+  state.positions = iterate.positions;
+  state.velocities = unflatten(iterate.velocity);
+  state.limit_multipliers = iterate.multipliers / problem.h;
+  report.contacts = int(iterate.contacts.size());
+  report.limits_active = int((iterate.multipliers.array() > 0).count());
+  report.kkt_residual = kkt_residual(problem, state.positions, state.limit_multipliers, iterate.contacts);
+  remember_contacts(iterate.contacts, state);
+  return report;
+}
+
+}  // namespace umax

@@ -1,0 +1,28 @@
+// Sparse Cholesky factorisation with the symbolic analysis kept: the direct linear solver.
+#pragma once
+
+#include <memory>
+
+#include "core/system_matrix.h"
+
+namespace umax {
+
+/// Owns a factor. Deterministic: one BLAS thread is the caller's duty (tools set it), orderings are seeded.
+class SparseCholesky {
+ public:
+  SparseCholesky();
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+
+  /// Numeric factorisation; analyses the pattern on the first call. False if the matrix is not positive definite.
+  bool factorize(const SystemMatrix& matrix);
+
+  /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
+  void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace umax

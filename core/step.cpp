@@ -1,0 +1,78 @@
+#include "core/step.h"
+
+#include <cmath>
+
+#include "core/paper_step.h"
+#include "core/parallel.h"
+#include "core/step_problem.h"
+#include "core/workspace.h"
+
+namespace umax {
+namespace {
+
+// kinetic, elastic (true energy, whatever the limit measures) and gravitational energy
+void measure_energies(const Model& model, const StepOptions& options, const State& state, StepReport& report) {
+  report.kinetic_energy = report.potential_energy = report.elastic_energy = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    report.kinetic_energy += 0.5 * model.node_mass[node] * state.velocities.row(node).squaredNorm();
+    report.potential_energy -= model.node_mass[node] * state.positions.row(node).dot(options.gravity.transpose());
+  }
+  VectorXd elastic(model.num_hexes());
+  parallel_blocks(model.num_hexes(), 64, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      const HexShape& shape = model.shapes[model.hex_shape[e]];
+      const CorotatedHex hex = corotate(shape, options.solver.rotation, hex_nodes(model, state.positions, e));
+      elastic[e] = elastic_energy(shape.stiffness, young_at(model, e, state.time), hex);
+    }
+  });
+  for (const double energy : elastic) report.elastic_energy += energy;
+}
+
+void measure_into(const Model& model, const StepOptions& options, const ContactGeometry& geometry, const State& state,
+                  StepReport& report) {
+  report.max_energy_ratio = model.num_hexes() ? energy_ratios(model, options.solver, state).maxCoeff() : 0;
+  report.max_penetration = max_penetration(model, geometry, state.positions, state.time);
+  measure_energies(model, options, state, report);
+}
+
+}  // namespace
+
+Workspace::Workspace(const Model& model)
+    : data_(new Data{make_contact_geometry(model), make_system_matrix(model), SparseCholesky()}) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+
+StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
+  Workspace::Data& data = workspace.data();
+  const StepProblem problem = begin_step(model, options, data.contact_geometry, state);
+  StepReport report = paper_step(problem, data, state);
+  state.time += options.time_step;
+  ++state.step;
+  measure_into(model, options, data.contact_geometry, state, report);
+  state.been_feasible = state.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
+  if (!state.been_feasible) report.status = StepStatus::infeasible;
+  return report;
+}
+
+StepReport measure(const Model& model, const StepOptions& options, const State& state) {
+  StepReport report;
+  measure_into(model, options, make_contact_geometry(model), state, report);
+  return report;
+}
+
+VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state) {
+  StepProblem problem;
+  StepOptions options;
+  options.solver = solver;
+  problem.model = &model;
+  problem.options = &options;
+  problem.young.resize(model.num_hexes());
+  problem.limits.resize(model.num_hexes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
+    problem.young[e] = young_at(model, e, state.time);
+    problem.limits[e] = energy_limit_at(model, e, state.time);
+  }
+  return energy_ratios(problem, state.positions);
+}
+
+}  // namespace umax

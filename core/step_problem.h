@@ -1,0 +1,53 @@
+// What one time step solves, shared by the step solvers: materials and limits at its end, element states, the residual.
+#pragma once
+
+#include <vector>
+
+#include "core/contact.h"
+#include "core/step.h"
+#include "core/system_matrix.h"
+
+namespace umax {
+
+/// Constant during one step.
+struct StepProblem {
+  const Model* model = nullptr;
+  const StepOptions* options = nullptr;
+  double h = 0;                // [s]
+  Points positions_t0;         // #N x 3 [m]
+  Points velocities_t0;        // #N x 3 [m/s]
+  VectorXd young;              // #E [Pa] at the end of the step
+  VectorXd limits;             // #E [J] at the end of the step, infinity: none
+  VectorXd damping_mass;       // #N [1/s] Rayleigh alpha
+  VectorXd damping_stiffness;  // #E [s] Rayleigh beta
+  ContactStep contact;
+};
+StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
+                       const State& state);
+
+/// Node by node (x, y, z) as one vector of 3 #N, and back.
+VectorXd flatten(const Points& points);
+Points unflatten(const VectorXd& vector);
+
+/// Zeroes the rows of fixed nodes.
+void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns);
+
+/// U/U_max of every hex at the positions, rotations fresh; 0 where there is no limit.
+VectorXd energy_ratios(const StepProblem& problem, const Points& positions);
+
+/// Stationarity of x1 for the true, exact step: max-norm of the gradient of the Lagrangian over the largest max-norm of
+/// its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone complementarity, scaled
+/// likewise. multipliers: #E force-level [J].
+double kkt_residual(const StepProblem& problem, const Points& positions_t1, const VectorXd& multipliers,
+                    const std::vector<Contact>& contacts);
+
+/// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
+void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
+
+/// The impulses that the next step starts from.
+void remember_contacts(const std::vector<Contact>& contacts, State& state);
+
+/// Contacts of the last step that carried an impulse, placed at the given positions.
+std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions);
+
+}  // namespace umax

@@ -1,0 +1,40 @@
+// The symmetric matrix of the step: 3 x 3 blocks between nodes that share a hex, lower triangle, compressed columns.
+// Degrees of freedom: 3 node + axis. Fixed nodes keep their rows as identity, so that the pattern never changes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/model.h"
+
+namespace umax {
+
+struct SystemMatrix {
+  std::vector<int> column_starts;  // 3 #N + 1
+  std::vector<int> row_indices;    // ascending in each column, first is the diagonal
+  VectorXd values;
+  Hexes hexes;  // as the model's
+  std::vector<char> node_fixed;
+  std::vector<std::array<std::uint8_t, 36>>
+      block_slots;  // per hex and local node pair: position in the column's block list
+
+  int num_unknowns() const { return int(column_starts.size()) - 1; }
+};
+
+/// Pattern of the model's hexes, values zero.
+SystemMatrix make_system_matrix(const Model& model);
+
+/// All values to zero, ones on the diagonal of fixed nodes.
+void reset(SystemMatrix& matrix);
+
+/// Adds diag(coefficient * node_mass), not on fixed nodes.
+void add_mass(const VectorXd& node_mass, double coefficient, SystemMatrix& matrix);
+
+/// Adds a symmetric element matrix (its lower triangle by global order is used).
+void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matrix);
+
+/// y = A x for x of 3 #N.
+VectorXd multiply(const SystemMatrix& matrix, const VectorXd& x);
+
+}  // namespace umax
