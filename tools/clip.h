@@ -1,0 +1,29 @@
+// Pictures to an H.264 clip by ffmpeg, with the sequence checked before and the number of frames after.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace umax {
+
+struct ClipOptions {
+  double fps = 60;                // [1/s]
+  int width = 0, height = 0;      // [px] that every picture must have; both even
+  int constant_rate_factor = 16;  // [-] H.264 quality; more: smaller files, coarser pictures
+};
+
+/// Throws Error (unavailable, 69) unless ffmpeg and ffprobe are there and ffmpeg has libx264.
+void require_clip_encoder();
+
+/// Throws Error (usage, 2) for odd sizes, which H.264 in yuv420p does not have.
+void require_even_size(int width, int height);
+
+/// Throws Error (bad_data, io_error) unless the file is a whole PNG of this size.
+void check_png(const std::filesystem::path& path, int width, int height);
+
+/// Encodes the PNGs in their order into `clip`, which is put in place only when it is whole and has as many frames.
+/// The same pictures give the same bytes. Throws Error.
+void encode_clip(const std::filesystem::path& clip, const std::vector<std::filesystem::path>& pictures,
+                 const ClipOptions& options);
+
+}  // namespace umax

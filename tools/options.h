@@ -1,0 +1,62 @@
+// What the command line asks for, verb by verb.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/progress.h"
+#include "tools/run_folder.h"
+
+namespace umax {
+
+struct Options {
+  std::string verb;
+  std::vector<std::string> inputs;  // what follows the verb
+  bool help = false, version = false;
+
+  std::optional<std::string> output;  // -o
+  std::vector<std::string> settings;  // --set key=value
+  std::optional<std::string> frames;  // --frames "1-40,50"
+  std::optional<int> still;           // --still: the frame that turntable circles
+  std::optional<int> threads;
+  bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, json = false;
+  ProgressMode progress = ProgressMode::automatic;
+
+  std::optional<std::string> engine;  // "embree" | "osmesa"
+  std::optional<int> samples;
+  std::optional<std::string> size;  // "1280x720"
+  std::optional<long long> seed;
+
+  std::optional<std::string> height;  // "1.8 m": drop, turntable, inspect: of the mesh
+  std::optional<std::string> unit;    // "cm", or metres as a number
+  std::optional<std::string> up;      // "x" | "y" | "z"
+  std::optional<int> cells;
+  std::optional<std::string> stretch;  // "20%"
+
+  std::optional<double> max_flip;  // compare
+
+  ExistingFolder existing_folder() const {
+    return overwrite ? ExistingFolder::overwrite : resume ? ExistingFolder::keep : ExistingFolder::refuse;
+  }
+};
+
+struct VerbHelp {
+  const char* name;
+  const char* arguments;
+  const char* summary;  // one line
+  const char* details;  // paragraphs
+};
+const std::vector<VerbHelp>& verbs();
+
+/// Throws Error (usage): unknown verb or option (naming the nearest), a value that does not fit, an option that the
+/// verb does not take.
+Options parse_command_line(int argc, const char* const* argv);
+
+/// "umax help" (verb empty) and "umax help VERB".
+std::string help_text(const std::string& verb);
+
+/// The version of the program, as --version prints it.
+std::string version_text();
+
+}  // namespace umax

@@ -1,0 +1,42 @@
+#include "tools/signals.h"
+
+#include <array>
+#include <csignal>
+
+namespace umax {
+namespace {
+
+constexpr std::array<int, 3> watched{SIGINT, SIGTERM, SIGHUP};
+volatile std::sig_atomic_t noted = 0;
+
+void note_signal(int number) {
+  noted = number;
+}
+
+}  // namespace
+
+SignalWatch::SignalWatch() {
+  struct sigaction action {};
+  action.sa_handler = note_signal;
+  action.sa_flags = int(SA_RESETHAND) | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  for (const int number : watched) {
+    struct sigaction before {};
+    sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);  // nohup stays nohup
+  }
+}
+
+SignalWatch::~SignalWatch() {
+  for (const int number : watched) {
+    struct sigaction now {};
+    sigaction(number, nullptr, &now);
+    if (now.sa_handler == note_signal) std::signal(number, SIG_DFL);
+  }
+}
+
+int stop_signal() {
+  return noted;
+}
+
+}  // namespace umax

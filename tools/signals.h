@@ -1,0 +1,18 @@
+// Ctrl-C and termination: noticed, so that the step in hand can be finished and what is complete kept.
+#pragma once
+
+namespace umax {
+
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once.
+class SignalWatch {
+ public:
+  SignalWatch();
+  ~SignalWatch();
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+};
+
+/// Number of the signal that asks us to stop; 0: none.
+int stop_signal();
+
+}  // namespace umax

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "tools/verbs.h"
+
+namespace umax {
+
+const std::vector<VerbHelp>& verbs() {
+  static const std::vector<VerbHelp> all{
+      {"run", "SCENE", "simulate, render, encode: the whole clip",
+       "Simulates the scene, renders its frames and encodes DIR/clip.mp4. DIR/states, DIR/frames and DIR/steps.csv "
+       "stay for\n"
+       "later use by umax render, turntable and inspect.\n\n"
+       "  umax run figure -o falling --size 640x360\n"
+       "  umax run beam --set body.beam.limit.energy=0.1J --set clip.frames=60\n"},
+      {"simulate", "SCENE", "states and steps.csv only",
+       "Writes one state per frame and one row of steps.csv per time step. With --resume it goes on from the last "
+       "whole\n"
+       "state; the result is the same to the last bit as without the break.\n\n"
+       "  umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100\n"},
+      {"render", "DIR", "frames (and clip) from the states in DIR",
+       "Renders the frames whose states are in the run's folder, and encodes the clip. With -o the pictures go into "
+       "another\n"
+       "folder.\n\n"
+       "  umax render falling --overwrite --engine osmesa --set render.heatmap=energy\n"},
+      {"turntable", "MESH|SCENE|DIR", "camera circles a still or a chosen frame",
+       "Circles a mesh, a scene's first instant, or one frame of a run once around. clip.frames is the number of "
+       "pictures.\n\n"
+       "  umax turntable bunny.ply --height \"20 cm\"\n"
+       "  umax turntable falling --still 60\n"},
+      {"drop", "MESH", "no scene file: voxelise, drop on the ground, run",
+       "Puts the mesh into a cage of hexes, drops it on the ground from half its height, renders and encodes. "
+       "Stiffness goes\n"
+       "with the size, so that a large and a small body sag by the same share of their height.\n\n"
+       "  umax drop bunny.ply --height \"20 cm\" --stretch 10%\n"},
+      {"inspect", "MESH|SCENE|DIR", "sizes, cage, mass, limits, problems",
+       "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used.\n\n"
+       "  umax inspect bunny.ply --json\n"},
+      {"scenes", "", "lists the built-in scenes", "One line each: name, then a description.\n"},
+      {"compare", "A B", "image difference: mean FLIP, maximum, percentage",
+       "Compares two pictures, or the pictures of the same names in two folders. Exit code 0: the mean FLIP is within\n"
+       "--max-flip; 1: it is not; 2 or more: the comparison failed.\n\n"
+       "  umax compare reference.png frames/0060.png --max-flip 0.05\n"},
+      {"help", "[VERB]", "this text, or a verb's options", "Tells what the program or one of its verbs does.\n"},
+  };
+  return all;
+}
+
+std::string version_text() {
+  return "umax " UMAX_VERSION;
+}
+
+int verb_help(const Options& options) {
+  if (options.inputs.size() > 1) throw Error(ExitCode::usage, {"", "umax help takes one verb", "", "see umax help"});
+  fmt::print("{}", help_text(options.inputs.empty() ? "" : options.inputs.front()));
+  return 0;
+}
+
+}  // namespace umax
