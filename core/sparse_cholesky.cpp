@@ -68,6 +68,15 @@ bool SparseCholesky::factorize(const SystemMatrix& matrix) {
 }
 
 void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
+  solve_in_place(CHOLMOD_A, columns);
+}
+
+void SparseCholesky::half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
+  solve_in_place(CHOLMOD_P, columns);
+  solve_in_place(CHOLMOD_L, columns);
+}
+
+void SparseCholesky::solve_in_place(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
   if (columns.cols() == 0) return;
   cholmod_dense view{};
   view.nrow = std::size_t(columns.rows());
@@ -77,8 +86,8 @@ void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns
   view.x = columns.data();
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y,
-                      &data_->work_e, &data_->common))
+  if (!cholmod_solve2(system, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y, &data_->work_e,
+                      &data_->common))
     throw std::runtime_error("the sparse solver failed to solve with its factor");
   const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> solution(
       static_cast<const double*>(data_->solution->x), columns.rows(), columns.cols(),

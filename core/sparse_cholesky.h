@@ -20,7 +20,11 @@ class SparseCholesky {
   /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
   void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
+  /// Overwrites each column b with z = L^-1 P b, so that z_i . z_j = b_i . A^-1 b_j: half the work of solve().
+  void half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
  private:
+  void solve_in_place(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
   struct Data;
   std::unique_ptr<Data> data_;
 };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/exact_step.h"
 #include "core/paper_step.h"
 #include "core/parallel.h"
 #include "core/step_problem.h"
@@ -45,7 +46,8 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   Workspace::Data& data = workspace.data();
   const StepProblem problem = begin_step(model, options, data.contact_geometry, state);
-  StepReport report = paper_step(problem, data, state);
+  StepReport report = options.solver.method == SolverMethod::exact ? exact_step(problem, data, state)
+                                                                   : paper_step(problem, data, state);
   state.time += options.time_step;
   ++state.step;
   measure_into(model, options, data.contact_geometry, state, report);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/parallel.h"
+
 namespace umax {
 namespace {
 
@@ -79,6 +81,19 @@ void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matri
           for (int r = 0; r < 3; ++r) column[(3 - c) + 3 * (slot - 1) + r] += source[r];
       }
     }
+}
+
+void add_elements(SystemMatrix& matrix, const std::function<void(Eigen::Index, Matrix24d&)>& fill) {
+  constexpr Eigen::Index chunk = 2048, grain = 16;  // element matrices in memory at once, and per task
+  const Eigen::Index num_hexes = matrix.hexes.rows();
+  std::vector<Matrix24d> elements(std::min(chunk, num_hexes));
+  for (Eigen::Index first = 0; first < num_hexes; first += chunk) {
+    const Eigen::Index count = std::min(chunk, num_hexes - first);
+    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index i = begin; i < end; ++i) fill(first + i, elements[i]);
+    });
+    for (Eigen::Index i = 0; i < count; ++i) add_element(first + i, elements[i], matrix);
+  }
 }
 
 VectorXd multiply(const SystemMatrix& matrix, const VectorXd& x) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/model.h"
@@ -33,6 +34,9 @@ void add_mass(const VectorXd& node_mass, double coefficient, SystemMatrix& matri
 
 /// Adds a symmetric element matrix (its lower triangle by global order is used).
 void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matrix);
+
+/// Adds every hex's matrix: fill(hex, element) is called in parallel, the sums are in the order of the hexes.
+void add_elements(SystemMatrix& matrix, const std::function<void(Eigen::Index, Matrix24d&)>& fill);
 
 /// y = A x for x of 3 #N.
 VectorXd multiply(const SystemMatrix& matrix, const VectorXd& x);

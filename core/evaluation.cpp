@@ -1,0 +1,120 @@
+#include "core/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/gauss_seidel.h"
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index hexes_per_block = 32;
+
+double max_norm(const Model& model, const VectorXd& nodal) {
+  double largest = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    if (!model.node_fixed[node]) largest = std::max(largest, nodal.segment<3>(3 * node).cwiseAbs().maxCoeff());
+  return largest;
+}
+
+// natural map of the cone complementarity in units of force: 0 iff gap, force and sliding satisfy Signorini and Coulomb
+double cone_residual(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  const Model& model = *problem.model;
+  double mass = 0;
+  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
+  const double stiffness = mass / (problem.h * problem.h);
+  const Vector3d force = contact.impulse / problem.h;
+  const double normal_force = contact.normal.dot(force);
+  const double normal = normal_force - std::max(0.0, normal_force - stiffness * contact.gap);
+  const Vector3d motion = embedded_position(model, positions, contact.hex, contact.weights) -
+                          embedded_position(model, problem.positions_t0, contact.hex, contact.weights) -
+                          contact.obstacle_motion;
+  const Vector3d sliding = motion - contact.normal.dot(motion) * contact.normal;
+  const Vector3d tangential = force - normal_force * contact.normal;
+  const Vector3d friction =
+      tangential - project_to_disc(tangential - stiffness * sliding, contact.friction * std::max(0.0, normal_force));
+  return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
+}
+
+}  // namespace
+
+void evaluate(const StepProblem& problem, const Points& positions, Evaluation& evaluation) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const bool own_limit_gradient =
+      solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact;
+  const bool damped = problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0;
+  evaluation.hexes.resize(model.num_hexes());
+  evaluation.elastic.resize(24, model.num_hexes());
+  evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
+  evaluation.limit.resize(24, own_limit_gradient ? model.num_hexes() : 0);
+  evaluation.energy.resize(model.num_hexes());
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      const HexShape& shape = model.shapes[model.hex_shape[e]];
+      const Matrix8x3d x = hex_nodes(model, positions, e);
+      const CorotatedHex hex = corotate(shape, solver.rotation, x);
+      const double young = problem.young[e];
+      evaluation.energy[e] = elastic_energy(measured_stiffness(shape, solver.energy), young, hex);
+      evaluation.elastic.col(e) =
+          exact_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
+      if (own_limit_gradient)
+        evaluation.limit.col(e) =
+            -energy_limit_jacobian(shape, solver.energy, solver.jacobian, solver.rotation, young, 1.0, hex);
+      if (damped) {
+        const Matrix8x3d x0 = hex_nodes(model, problem.positions_t0, e);
+        const Matrix8x3d velocity = (x - x0) / problem.h;
+        evaluation.damping.col(e) = problem.damping_stiffness[e] *
+                                    (warped_hessian(shape.stiffness, young, corotate(shape, solver.rotation, x0)) *
+                                     Eigen::Map<const Vector24d>(velocity.data()));
+      }
+      evaluation.hexes[e] = hex;
+    }
+  });
+}
+
+VectorXd gather(const Model& model, const HexColumns& elements) {
+  VectorXd nodal = VectorXd::Zero(3 * model.num_nodes());
+  for (Eigen::Index e = 0; e < elements.cols(); ++e)
+    for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(e, n)) += elements.col(e).segment<3>(3 * n);
+  return nodal;
+}
+
+VectorXd inertia_gradient(const StepProblem& problem, const Points& positions) {
+  const Model& model = *problem.model;
+  VectorXd gradient(3 * model.num_nodes());
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    const Vector3d v1 = (positions.row(node) - problem.positions_t0.row(node)).transpose() / problem.h;
+    const Vector3d v0 = problem.velocities_t0.row(node).transpose();
+    gradient.segment<3>(3 * node) =
+        model.node_mass[node] * ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - problem.options->gravity);
+  }
+  return gradient;
+}
+
+double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                    const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  const Model& model = *problem.model;
+  VectorXd gravity(3 * model.num_nodes()), contact = VectorXd::Zero(3 * model.num_nodes());
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    gravity.segment<3>(3 * node) = model.node_mass[node] * problem.options->gravity;
+  double cone = 0;
+  for (const Contact& c : contacts) {
+    spread(model, c, c.impulse / problem.h, contact);
+    cone = std::max(cone, cone_residual(problem, positions, c));
+  }
+  VectorXd limit = VectorXd::Zero(3 * model.num_nodes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    if (limit_factors[e] > 0)
+      for (int n = 0; n < 8; ++n)
+        limit.segment<3>(3 * model.hexes(e, n)) += limit_factors[e] * evaluation.limit_gradient(e).segment<3>(3 * n);
+  const VectorXd elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
+  const VectorXd inertia = inertia_gradient(problem, positions);  // gravity included
+  const double scale = std::max({max_norm(model, inertia + gravity), max_norm(model, elastic), max_norm(model, limit),
+                                 max_norm(model, contact), max_norm(model, gravity)});
+  if (!(scale > 0)) return 0;
+  return std::max(max_norm(model, inertia + elastic + limit - contact), cone) / scale;
+}
+
+}  // namespace umax

@@ -1,0 +1,38 @@
+// All elements at one set of positions: rotations, energies and gradients, and how far that is from the step's
+// solution.
+#pragma once
+
+#include <vector>
+
+#include "core/step_problem.h"
+
+namespace umax {
+
+using HexColumns = Eigen::Matrix<double, 24, Eigen::Dynamic>;
+
+struct Evaluation {
+  std::vector<CorotatedHex> hexes;  // #E
+  HexColumns elastic;               // [N] dU/dx of the true energy
+  HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
+  HexColumns limit;                 // [N] d(measured energy)/dx; no columns where it equals `elastic`
+  VectorXd energy;                  // [J] measured energy
+
+  auto limit_gradient(Eigen::Index hex) const { return limit.cols() ? limit.col(hex) : elastic.col(hex); }
+};
+
+/// Evaluates every hex at the positions.
+void evaluate(const StepProblem& problem, const Points& positions, Evaluation& evaluation);
+
+/// Sums element vectors into nodes, in the order of the hexes: 3 #N.
+VectorXd gather(const Model& model, const HexColumns& elements);
+
+/// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g: what inertia, mass damping and gravity demand [N], fixed nodes
+/// too.
+VectorXd inertia_gradient(const StepProblem& problem, const Points& positions);
+
+/// The contract's kkt_residual at positions. limit_factors: #E [-], lambda/U_max of hard limits (or the barrier's
+/// slope).
+double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                    const VectorXd& limit_factors, const std::vector<Contact>& contacts);
+
+}  // namespace umax

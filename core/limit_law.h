@@ -1,0 +1,49 @@
+// How a limit enters the minimisation: what it adds to an element's gradient and Hessian.
+//
+// With s = 1 - U/U_max, G = dU/dx, H = d2U/dx2 of the measured energy U, a limit adds  force * G  and  stiffening * H +
+// rank_one * G G^T. hard  augmented Lagrangian, t = lambda + rho (U/U_max - 1):  active iff t > 0, then
+//       force = t/U_max,  stiffening = lambda/U_max (not t: the rank-one term already holds rho),  rank_one =
+//       rho/U_max^2
+// soft  relaxed log barrier kappa U_max phi(s):  phi = -log s for s >= delta, below it the quadratic with the same
+// value,
+//       slope and curvature at delta:  phi = 1/2 (((s - 2 delta)/delta)^2 - 1) - log delta
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace umax {
+
+struct LimitTerms {
+  double force = 0;       // [-]
+  double stiffening = 0;  // [-]
+  double rank_one = 0;    // [1/J]
+};
+
+struct SoftLimitOptions {
+  double kappa = 0.01;  // [-] barrier weight relative to U_max; raising it begins to stiffen earlier
+  double delta = 1e-3;  // [-] distance to the limit below which the barrier is quadratic
+};
+
+/// multiplier: force-level lambda [J]; penalty: rho [J].
+inline LimitTerms hard_limit_terms(double energy, double limit, double multiplier, double penalty) {
+  const double t = multiplier + penalty * (energy / limit - 1);
+  if (t <= 0) return {};
+  return {t / limit, multiplier / limit, penalty / (limit * limit)};
+}
+
+/// Value [J] of the barrier, and its terms.
+inline double soft_limit_energy(double energy, double limit, const SoftLimitOptions& options) {
+  const double s = 1 - energy / limit, delta = options.delta;
+  const double r = (s - 2 * delta) / delta;
+  const double phi = s >= delta ? -std::log(s) : 0.5 * (r * r - 1) - std::log(delta);
+  return options.kappa * limit * phi;
+}
+inline LimitTerms soft_limit_terms(double energy, double limit, const SoftLimitOptions& options) {
+  const double s = 1 - energy / limit, delta = options.delta;
+  const double slope = s >= delta ? -1 / s : (s - 2 * delta) / (delta * delta);  // phi'
+  const double curvature = s >= delta ? 1 / (s * s) : 1 / (delta * delta);       // phi''
+  return {-options.kappa * slope, -options.kappa * slope, options.kappa * curvature / limit};
+}
+
+}  // namespace umax
