@@ -29,20 +29,25 @@ Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point
   return nodes.transpose() * model.surface.weights.row(point).transpose();
 }
 
-// gap of a vertex at the end of the step, less the depth it is still allowed
-DistanceSample end_gap(const ContactStep& step, int obstacle, int hex, const Vector8d& weights,
-                       const Vector3d& position) {
-  const Obstacle& shape = step.model->obstacles[obstacle];
-  const Pose& pose = step.poses_t1[obstacle];
-  DistanceSample sample = signed_distance(shape.shape, pose.local(position));
-  sample.gradient = pose.rotation * sample.gradient;
-  if (sample.distance >= 0) return sample;
+// depths [m] that a vertex may have at the end of the step, by how deep it was at the start
+struct AllowedDepth {
+  double deep = 0;     // of a start beyond the tolerance: pushed out at a bounded speed, not at once
+  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work
+};
+
+AllowedDepth allowed_depth(const ContactStep& step, int obstacle, int hex, const Vector8d& weights) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, hex, weights);
-  const double gap_t0 = signed_distance(shape.shape, step.poses_t0[obstacle].local(before)).distance;
-  if (gap_t0 < -tolerance_depth(*step.model, hex)) {
-    const double cell = step.model->bodies[step.model->hex_body[hex]].cell_size;
-    sample.distance -= std::min(0.0, gap_t0 + step.recovery * cell);
-  }
+  const double depth =
+      -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
+  if (depth <= tolerance_depth(*step.model, hex)) return {0, std::max(0.0, depth)};
+  return {std::max(0.0, depth - step.recovery * step.model->bodies[step.model->hex_body[hex]].cell_size), 0};
+}
+
+// distance of a vertex at the end of the step and the outward direction, in the world
+DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3d& position) {
+  const Pose& pose = step.poses_t1[obstacle];
+  DistanceSample sample = signed_distance(step.model->obstacles[obstacle].shape, pose.local(position));
+  sample.gradient = pose.rotation * sample.gradient;
   return sample;
 }
 
@@ -100,8 +105,9 @@ double pair_friction(const Model& model, int hex, int obstacle) {
 
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
   const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
-  const DistanceSample sample = end_gap(step, contact.obstacle, contact.hex, contact.weights, position);
-  contact.gap = sample.distance;
+  const DistanceSample sample = end_distance(step, contact.obstacle, position);
+  const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.hex, contact.weights);
+  contact.gap = sample.distance + allowed.deep + allowed.shallow;
   contact.normal = sample.gradient;
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, position);
 }
@@ -166,9 +172,8 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
   deepest = {-1, obstacle, hex, -threshold};
   for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
     const int point = geometry.hex_points[k];
-    const double gap = end_gap(step, obstacle, hex, model.surface.weights.row(point).transpose(),
-                               surface_position(model, nodes, point))
-                           .distance;
+    double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
+    if (gap < deepest.gap) gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
     if (gap < deepest.gap) deepest.point = point, deepest.gap = gap;
   }
   return deepest.point >= 0;
