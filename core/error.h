@@ -21,10 +21,10 @@ enum class ExitCode : int {
 
 /// What a message must say. Empty parts are left out: "WHERE: WHAT, got VALUE; REMEDY".
 struct ErrorText {
-  std::string where;   // "scene.toml:12: body.beam.limit.energy" or "mesh.obj"
-  std::string what;    // "must be positive"
-  std::string value;   // "-1 J", as the user wrote it
-  std::string remedy;  // "give an energy such as \"100 J\""
+  std::string where = {};   // "scene.toml:12: body.beam.limit.energy" or "mesh.obj"
+  std::string what = {};    // "must be positive"
+  std::string value = {};   // "-1 J", as the user wrote it
+  std::string remedy = {};  // "give an energy such as \"100 J\""
 };
 
 class Error : public std::runtime_error {
