@@ -269,7 +269,7 @@ StepReport exact_step(const StepProblem& problem, Workspace::Data& workspace, St
     if (problem.options->on_iteration)
       problem.options->on_iteration(report.sqp_iterations, quality.max_ratio, quality.depth, quality.kkt);
     if (added == 0 && is_solution(quality, iterate, solver.tolerance)) break;
-    if (report.sqp_iterations == solver.max_iterations) {
+    if (report.sqp_iterations == solver.max_newton_iterations) {
       report.status = StepStatus::iteration_limit;
       break;
     }

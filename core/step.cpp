@@ -1,5 +1,6 @@
 #include "core/step.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/exact_step.h"
@@ -36,6 +37,41 @@ void measure_into(const Model& model, const StepOptions& options, const ContactG
   measure_energies(model, options, state, report);
 }
 
+// solver work adds up over the parts of a halved step; the last part tells what is active at its end
+StepReport joined(const StepReport& first, const StepReport& second) {
+  StepReport sum = second;
+  sum.status = std::max(first.status, second.status);
+  sum.sqp_iterations += first.sqp_iterations;
+  sum.factorisations += first.factorisations;
+  sum.linear_iterations += first.linear_iterations;
+  sum.retries += first.retries;
+  sum.kkt_residual = std::max(first.kkt_residual, second.kkt_residual);
+  return sum;
+}
+
+// one solve over options.time_step; where it does not converge, two of half the size, and so on
+StepReport advance(const Model& model, const StepOptions& options, Workspace::Data& data, State& state, int halvings) {
+  const State start = state;
+  const StepProblem problem = begin_step(model, options, data.contact_geometry, state);
+  const bool exact = options.solver.method == SolverMethod::exact;
+  StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
+  state.time = start.time + options.time_step;
+  const bool retry = exact && report.status != StepStatus::converged && halvings > 0 && start.been_feasible;
+  if (!retry) return report;
+
+  state = start;
+  StepOptions half = options;
+  half.time_step = options.time_step / 2;
+  StepReport failed;
+  failed.retries = 1;
+  failed.sqp_iterations = report.sqp_iterations;
+  failed.factorisations = report.factorisations;
+  failed.linear_iterations = report.linear_iterations;
+  const StepReport first = advance(model, half, data, state, halvings - 1);
+  const StepReport second = advance(model, half, data, state, halvings - 1);
+  return joined(joined(failed, first), second);
+}
+
 }  // namespace
 
 Workspace::Workspace(const Model& model)
@@ -44,13 +80,11 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
-  Workspace::Data& data = workspace.data();
-  const StepProblem problem = begin_step(model, options, data.contact_geometry, state);
-  StepReport report = options.solver.method == SolverMethod::exact ? exact_step(problem, data, state)
-                                                                   : paper_step(problem, data, state);
-  state.time += options.time_step;
+  const double time_t1 = state.time + options.time_step;
+  StepReport report = advance(model, options, workspace.data(), state, options.solver.max_halvings);
+  state.time = time_t1;
   ++state.step;
-  measure_into(model, options, data.contact_geometry, state, report);
+  measure_into(model, options, workspace.data().contact_geometry, state, report);
   state.been_feasible = state.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
   if (!state.been_feasible) report.status = StepStatus::infeasible;
   return report;

@@ -20,9 +20,11 @@ struct SolverOptions {
   EnergyMeasure energy = EnergyMeasure::true_energy;
   RotationEstimate rotation = RotationEstimate::centre;
   LimitJacobian jacobian = LimitJacobian::exact;
-  int max_iterations = 100;       // re-linearisations a step
-  int max_sweeps = 2000;          // Gauss-Seidel sweeps a re-linearisation
-  double sweep_tolerance = 1e-6;  // [-] relative change at which the sweeps stop
+  int max_iterations = 100;        // paper: re-linearisations a step
+  int max_newton_iterations = 20;  // exact: factorisations after which the step is halved instead
+  int max_halvings = 6;            // exact: of a step that does not converge
+  int max_sweeps = 2000;           // Gauss-Seidel sweeps a re-linearisation
+  double sweep_tolerance = 1e-6;   // [-] relative change at which the sweeps stop
 };
 
 struct StepOptions {
