@@ -1,5 +1,6 @@
 #include "core/lattice.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <string>
@@ -73,6 +74,13 @@ void validate(const Lattice& lattice) {
     fail("has node positions that are not finite", "", "check the mesh's coordinates");
   if (lattice.hexes.minCoeff() < 0 || lattice.hexes.maxCoeff() >= lattice.num_nodes())
     fail("has a hex that names a node outside the list", std::to_string(lattice.hexes.maxCoeff()), "");
+  for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e) {
+    Matrix8x3d nodes;
+    for (int n = 0; n < 8; ++n) nodes.row(n) = lattice.rest_positions.row(lattice.hexes(e, n));
+    const double determinant = Matrix3d(nodes.transpose() * shape_gradients(Vector3d::Zero())).determinant();
+    if (!(determinant > 0))
+      fail("has a hex that is flat or inside out", "hex " + std::to_string(e), "check its node order");
+  }
 }
 
 }  // namespace umax

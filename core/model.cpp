@@ -3,9 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "core/error.h"
 #include "core/material.h"
 
 namespace umax {
@@ -13,31 +11,6 @@ namespace {
 
 // cells that hold little of the solid keep this share of their mass, so that no node is weightless
 constexpr double least_filled_fraction = 0.05;
-
-[[noreturn]] void fail(const Body& body, const std::string& key, const std::string& what, double value,
-                       const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {"body." + body.name + "." + key, what, std::to_string(value), remedy});
-}
-
-void validate(const Body& body) {
-  validate(body.lattice);
-  const MaterialOptions& m = body.material;
-  for (const double young : m.young.values)
-    if (!(young > 0) || !std::isfinite(young))
-      fail(body, "material.young", "must be positive", young, "give e.g. \"500 kPa\"");
-  if (!(m.poisson > -1 && m.poisson < 0.5))
-    fail(body, "material.poisson", "must lie in (-1, 0.5)", m.poisson, "0.3 suits most");
-  if (!(m.density > 0)) fail(body, "material.density", "must be positive", m.density, "give e.g. \"500 kg/m^3\"");
-  if (!(m.damping_mass >= 0))
-    fail(body, "material.damping_mass", "must not be negative", m.damping_mass, "0 switches it off");
-  if (!(m.damping_stiffness >= 0))
-    fail(body, "material.damping_stiffness", "must not be negative", m.damping_stiffness, "0 switches it off");
-  if (!(body.friction >= 0)) fail(body, "friction", "must not be negative", body.friction, "0 is frictionless");
-  if (body.limit.kind != LimitKind::none)
-    for (const double value : body.limit.value.values)
-      if (!(value > 0) || !std::isfinite(value))
-        fail(body, "limit", "must be positive", value, "or set limit.kind = \"none\"");
-}
 
 Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex) {
   Matrix8x3d nodes;
@@ -147,10 +120,7 @@ Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& o
   model.hexes.resize(0, 8);
   model.surface.weights.resize(0, 8);
   for (const Body& body : bodies) append(body, model);
-  for (const Obstacle& obstacle : obstacles)
-    if (!(obstacle.friction >= 0))
-      throw Error(ExitCode::bad_data, {"obstacle." + obstacle.name + ".friction", "must not be negative",
-                                       std::to_string(obstacle.friction), "0 is frictionless"});
+  for (const Obstacle& obstacle : obstacles) validate(obstacle);
   model.obstacles = obstacles;
   return model;
 }

@@ -85,7 +85,11 @@ struct Model {
   Eigen::Index num_hexes() const { return hexes.rows(); }
 };
 
-/// Validates and throws Error (bad_data) that names the body and the value.
+/// Throw Error (bad_data) that names the body or obstacle, the key and the value, unless all can be simulated.
+void validate(const Body& body);
+void validate(const Obstacle& obstacle);
+
+/// Validates all of them.
 Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles);
 
 /// Young's modulus [Pa] and energy limit [J] (infinity: none) of a hex at a time [s].

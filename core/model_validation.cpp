@@ -1,0 +1,92 @@
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+#include "core/model.h"
+
+namespace umax {
+namespace {
+
+[[noreturn]] void fail(const std::string& where, const std::string& what, double value, const std::string& remedy) {
+  throw Error(ExitCode::bad_data, {where, what, std::to_string(value), remedy});
+}
+
+void require_positive(double value, const std::string& where, const std::string& remedy) {
+  if (!(value > 0 && std::isfinite(value))) fail(where, "must be positive and finite", value, remedy);
+}
+void require_not_negative(double value, const std::string& where, const std::string& remedy) {
+  if (!(value >= 0 && std::isfinite(value))) fail(where, "must be finite and not negative", value, remedy);
+}
+void require_finite(const Vector3d& value, const std::string& where) {
+  for (const double component : value)
+    if (!std::isfinite(component)) fail(where, "must be finite", component, "give three numbers");
+}
+
+void validate_material(const MaterialOptions& m, const std::string& where) {
+  for (const double young : m.young.values) require_positive(young, where + ".young", "give e.g. \"500 kPa\"");
+  if (!(m.poisson > -1 && m.poisson < 0.5))
+    fail(where + ".poisson", "must lie in (-1, 0.5)", m.poisson, "0.3 suits most");
+  require_positive(m.density, where + ".density", "give e.g. \"500 kg/m^3\"");
+  require_not_negative(m.damping_mass, where + ".damping_mass", "0 switches it off");
+  require_not_negative(m.damping_stiffness, where + ".damping_stiffness", "0 switches it off");
+}
+
+void validate_surface(const Body& body, const std::string& where) {
+  const EmbeddedPoints& surface = body.surface;
+  if (surface.weights.rows() != surface.size())
+    fail(where, "needs 8 weights per point", double(surface.weights.rows()), "embed the mesh in this lattice");
+  for (const int hex : surface.hex)
+    if (hex < 0 || hex >= body.lattice.num_hexes())
+      fail(where, "names a hex that the cage does not have", hex, "embed the mesh in this lattice");
+  if (!surface.weights.allFinite())
+    fail(where, "has weights that are not finite", std::numeric_limits<double>::quiet_NaN(), "check the mesh");
+}
+
+void validate_cage(const Body& body, const std::string& where) {
+  try {
+    validate(body.lattice);
+  } catch (const Error& error) {
+    ErrorText text = error.text();
+    text.where = where;
+    throw Error(error.exit_code(), text);
+  }
+}
+
+void validate_shape(const ObstacleShape& shape, const std::string& where) {
+  if (const Ball* ball = std::get_if<Ball>(&shape))
+    require_positive(ball->radius, where + ".radius", "give e.g. \"1 m\"");
+  if (const Block* block = std::get_if<Block>(&shape))
+    for (const double half : block->half_size) require_positive(half, where + ".size", "give e.g. \"1 m\"");
+  if (const MeshShape* mesh = std::get_if<MeshShape>(&shape))
+    if (!mesh->distance || mesh->distance->size.minCoeff() < 2 || !(mesh->distance->spacing > 0))
+      fail(where + ".mesh", "needs a sampled distance", 0, "fill it from the mesh");
+}
+
+}  // namespace
+
+void validate(const Body& body) {
+  const std::string where = "body." + body.name;
+  validate_cage(body, where + ".cage");
+  validate_material(body.material, where + ".material");
+  require_not_negative(body.friction, where + ".friction", "0 is frictionless");
+  if (body.limit.kind != LimitKind::none)
+    for (const double value : body.limit.value.values)
+      require_positive(value, where + ".limit", "or set limit.kind = \"none\"");
+  require_finite(body.velocity, where + ".velocity");
+  require_finite(body.spin, where + ".spin");
+  for (const int node : body.fixed_nodes)
+    if (node < 0 || node >= body.lattice.num_nodes())
+      fail(where + ".fixed_nodes", "names a node that the cage does not have", node, "");
+  validate_surface(body, where + ".surface");
+}
+
+void validate(const Obstacle& obstacle) {
+  const std::string where = "obstacle." + obstacle.name;
+  require_not_negative(obstacle.friction, where + ".friction", "0 is frictionless");
+  for (const Vector3d& position : obstacle.position.values) require_finite(position, where + ".position");
+  for (const Vector3d& degrees : obstacle.rotation_degrees.values) require_finite(degrees, where + ".rotation");
+  validate_shape(obstacle.shape, where);
+}
+
+}  // namespace umax
