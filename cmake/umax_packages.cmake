@@ -13,6 +13,7 @@ find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(OpenEXR 3 REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(LIBCRYPTO REQUIRED IMPORTED_TARGET libcrypto)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 
 # Embree 4 (Debian 13) or 3 (Debian 12), under one name

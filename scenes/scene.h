@@ -13,55 +13,65 @@
 namespace umax {
 
 struct ClipDescription {
-  int frames = 120;                 // frame 1 is the initial state
-  double fps = 60;                  // [1/s]
-  int substeps = 1;                 // time steps a frame
-  Vector3d gravity{0, -9.81, 0};    // [m/s^2]
+  int frames = 120;               // frame 1 is the initial state
+  double fps = 60;                // [1/s]
+  int substeps = 1;               // time steps a frame
+  Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   double time_step() const { return 1.0 / (fps * substeps); }
 };
 
 struct MeshSource {
-  std::filesystem::path path;       // absolute once resolved
-  std::optional<double> unit;       // [m] length of one file unit; unset: the file's own, else 1
-  std::optional<std::string> up;    // "x", "y", "z"; unset: the file's own, else "y"
+  std::filesystem::path path;     // absolute once resolved
+  std::optional<double> unit;     // [m] length of one file unit; unset: the file's own, else 1
+  std::optional<std::string> up;  // "x", "y", "z"; unset: the file's own, else "y"
+  std::string sha256;             // of the file, filled when the scene is read
+  std::string from;               // where the file is had, for the message when it is missing
 };
-struct BoxShape { Vector3d size{1, 1, 1}; };                     // [m]
-struct SphereShape { double radius = 1; };                       // [m]
-struct CylinderShape { double radius = 0.06, length = 1; };      // [m] axis along x
-struct FigureShape {};                                           // the built-in character, 2 m tall unless height is given
+struct BoxShape {
+  Vector3d size{1, 1, 1};
+};  // [m]
+struct SphereShape {
+  double radius = 1;
+};  // [m]
+struct CylinderShape {
+  double radius = 0.06, length = 1;
+};                      // [m] axis along x
+struct FigureShape {};  // the built-in character, 2 m tall unless height is given
 using BodySource = std::variant<MeshSource, BoxShape, SphereShape, CylinderShape, FigureShape>;
 
 struct CageDescription {
-  enum class Clip { filled, box };  // cells that touch the solid, or the whole grid
+  enum class Clip { filled, box };                 // cells that touch the solid, or the whole grid
   std::variant<int, Vector3i, double> size = 365;  // wanted number of cells, grid of the bounding box, or cell edge [m]
   Clip clip = Clip::filled;
 };
 
-struct FixedBox { Vector3d min, max; };  // [m] world coordinates of the initial placed shape
+struct FixedBox {
+  Vector3d min, max;
+};  // [m] world coordinates of the initial placed shape
 
 struct BodyDescription {
   std::string name;
   BodySource source = FigureShape{};
-  std::optional<double> height;               // [m] scale so that the placed shape is this tall
-  std::optional<double> scale;                // [-]
-  Vector3d rotation_degrees{0, 0, 0};         // about world X, then Y, then Z
-  std::optional<Vector3d> position;           // [m] centre of the placed bounding box
-  std::optional<double> drop_height;          // [m] lowest point above the highest obstacle below
-  Vector3d velocity{0, 0, 0};                 // [m/s]
-  Vector3d spin_degrees{0, 0, 0};             // [deg/s] world axes
+  std::optional<double> height;        // [m] scale so that the placed shape is this tall
+  std::optional<double> scale;         // [-]
+  Vector3d rotation_degrees{0, 0, 0};  // about world X, then Y, then Z
+  std::optional<Vector3d> position;    // [m] centre of the placed bounding box
+  std::optional<double> drop_height;   // [m] lowest point above the highest obstacle below
+  Vector3d velocity{0, 0, 0};          // [m/s]
+  Vector3d spin_degrees{0, 0, 0};      // [deg/s] world axes
   double friction = 0.5;
   CageDescription cage;
   MaterialOptions material;
   EnergyLimitOptions limit;
   std::vector<FixedBox> fixed;
-  Look look;                                  // texture is loaded by the program from texture_path
-  std::filesystem::path texture_path;         // empty: the mesh file's own colour texture, if any
+  Look look;                           // texture is loaded by the program from texture_path
+  std::filesystem::path texture_path;  // empty: the mesh file's own colour texture, if any
 };
 
 struct ObstacleDescription {
   std::string name;
   std::variant<HalfSpace, Ball, Block, MeshSource> shape = HalfSpace{};
-  std::optional<double> height, scale;        // of a mesh
+  std::optional<double> height, scale;  // of a mesh
   double friction = 0;
   Track<Vector3d> position{Vector3d(0, 0, 0)};
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};
@@ -75,7 +85,7 @@ struct ProbeDescription {
 };
 
 struct CameraDescription {
-  std::optional<Vector3d> position, target;   // [m]; unset: chosen to frame the whole motion
+  std::optional<Vector3d> position, target;  // [m]; unset: chosen to frame the whole motion
   double vertical_fov_degrees = 35;
   double aperture_radius = 0, focus_distance = 0;  // [m]
 };
@@ -92,26 +102,26 @@ enum class RenderEngine { embree, osmesa };
 enum class Heatmap { none, energy };
 struct RenderDescription {
   RenderEngine engine = RenderEngine::embree;
-  int width = 1280, height = 720;               // [px]
-  int samples = 64;                             // paths a pixel (embree)
+  int width = 1280, height = 720;  // [px]
+  int samples = 64;                // paths a pixel (embree)
   int bounces = 4;
-  bool denoise = true;                          // feature-guided filter (embree)
+  bool denoise = true;  // feature-guided filter (embree)
   unsigned seed = 1;
   Heatmap heatmap = Heatmap::none;
-  bool wireframe = false;                       // cage over the picture (osmesa)
-  bool exr = false;                             // NNNN.exr beside NNNN.png
+  bool wireframe = false;  // cage over the picture (osmesa)
+  bool exr = false;        // NNNN.exr beside NNNN.png
   Sky sky = GradientSky{};
-  std::filesystem::path sky_path;               // HDR or EXR for an EnvironmentMap
+  std::filesystem::path sky_path;  // HDR or EXR for an EnvironmentMap
   std::optional<Vector3f> backdrop;
   double exposure_stops = 0;
 };
 
 struct Scene {
-  std::string name;                             // stem of the file, or the built-in's name
-  std::string description;                      // one line, for `umax scenes`
+  std::string name;         // stem of the file, or the built-in's name
+  std::string description;  // one line, for `umax scenes`
   ClipDescription clip;
   SolverOptions solver;
-  std::vector<BodyDescription> bodies;          // in order of name: no result depends on a file's order
+  std::vector<BodyDescription> bodies;  // in order of name: no result depends on a file's order
   std::vector<ObstacleDescription> obstacles;
   std::vector<ProbeDescription> probes;
   CameraDescription camera;

@@ -1,0 +1,12 @@
+# cmake -DOUTPUT=<file.cpp> -DSCENES=<a.toml;b.toml> -P embed_scenes.cmake: the scene files as string literals
+set(content "// Written by embed_scenes.cmake from scenes/*.toml.\n#include <cstddef>\n#include <utility>\n\nnamespace umax {\n")
+string(APPEND content "extern const std::pair<const char*, const char*> embedded_scenes[];\nextern const std::size_t num_embedded_scenes;\n")
+string(APPEND content "const std::pair<const char*, const char*> embedded_scenes[] = {\n")
+list(LENGTH SCENES count)
+foreach(scene IN LISTS SCENES)
+  get_filename_component(name ${scene} NAME_WE)
+  file(READ ${scene} text)
+  string(APPEND content "    {\"${name}\", R\"toml(${text})toml\"},\n")
+endforeach()
+string(APPEND content "};\nconst std::size_t num_embedded_scenes = ${count};\n}  // namespace umax\n")
+file(WRITE ${OUTPUT} "${content}")

@@ -1,0 +1,242 @@
+// Scene keys of [body.NAME].
+#include <fmt/format.h>
+
+#include "scenes/mesh_keys.h"
+
+namespace umax {
+namespace {
+
+constexpr double absurd_length = 1e6;  // [m]
+constexpr int most_cells = 5000000;
+constexpr Range any_length{.low = -absurd_length, .high = absurd_length};
+constexpr Range positive_length{.low = 0, .high = absurd_length, .low_open = true};
+
+// Part of the body's shape if it has that shape, else null.
+template <class Shape, class T>
+auto shape_part(T Shape::*member) {
+  return [member](auto& body) {
+    auto* shape = std::get_if<Shape>(&body.source);
+    return shape ? &(shape->*member) : nullptr;
+  };
+}
+
+void set_shape(const SceneValue& value, BodyDescription& body) {
+  const std::string shape = WordKind{{"box", "sphere", "cylinder", "figure"}}.read(value);
+  if (shape == "box") body.source = BoxShape();
+  if (shape == "sphere") body.source = SphereShape();
+  if (shape == "cylinder") body.source = CylinderShape();
+  if (shape == "figure") body.source = FigureShape();
+}
+
+std::optional<std::string> get_shape(const BodyDescription& body) {
+  constexpr const char* names[] = {"", "box", "sphere", "cylinder", "figure"};
+  if (std::holds_alternative<MeshSource>(body.source)) return std::nullopt;
+  return toml_string(names[body.source.index()]);
+}
+
+template <class Keys>
+void add_shape_keys(Keys& keys) {
+  const auto mesh_of = [](auto& body) { return std::get_if<MeshSource>(&body.source); };
+  const auto become_mesh = [](const SceneValue&, BodyDescription& body) {
+    if (!std::holds_alternative<MeshSource>(body.source)) body.source = MeshSource();
+  };
+  keys.add_custom("shape", R"("box", "sphere", "cylinder", "figure")",
+                  "what it is, if no mesh: the figure is the built-in character",
+                  {.group = "mesh or shape",
+                   .resets = {"mesh_from", "mesh_sha256", "unit", "up", "size", "radius", "length"},
+                   .defines = true},
+                  set_shape, get_shape);
+  add_mesh_keys(keys, mesh_of, become_mesh,
+                {.unset = "none",
+                 .group = "mesh or shape",
+                 .resets = {"size", "radius", "length", "mesh_sha256"},
+                 .defines = true});
+  keys.add("size", VectorKind{units::length, positive_length}, shape_part(&BoxShape::size), "edges of a box",
+           {.unset = VectorKind().write(BoxShape().size), .belongs_to = "shape = \"box\""});
+  const auto radius = [](auto& body) {
+    if (auto* sphere = std::get_if<SphereShape>(&body.source)) return &sphere->radius;
+    auto* cylinder = std::get_if<CylinderShape>(&body.source);
+    return cylinder ? &cylinder->radius : nullptr;
+  };
+  keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere or cylinder",
+           {.unset = number_text(SphereShape().radius) + ", cylinder " + number_text(CylinderShape().radius),
+            .belongs_to = "shape = \"sphere\" or \"cylinder\""});
+  keys.add("length", NumberKind{units::length, positive_length}, shape_part(&CylinderShape::length),
+           "of a cylinder, along x",
+           {.unset = number_text(CylinderShape().length), .belongs_to = "shape = \"cylinder\""});
+}
+
+template <class Keys>
+void add_placement_keys(Keys& keys) {
+  const std::string own_size = "as the shape is";
+  keys.add("height", NumberKind{units::length, positive_length}, UMAX_FIELD(height),
+           "scales the shape, rotation applied, to this height", {.unset = own_size, .group = "height or scale"});
+  keys.add("scale", NumberKind{units::ratio, {.low = 0, .high = 1e9, .low_open = true}}, UMAX_FIELD(scale),
+           "scales the shape", {.unset = own_size, .group = "height or scale"});
+  keys.add("rotation", VectorKind{units::angle, {.low = -1e6, .high = 1e6}}, UMAX_FIELD(rotation_degrees),
+           "about world X, then Y, then Z");
+  keys.add("position", VectorKind{units::length, any_length}, UMAX_FIELD(position),
+           "centre of the placed shape's bounding box",
+           {.unset = "as the shape is", .group = "position or drop_height"});
+  keys.add("drop_height", NumberKind{units::length, {.low = 0, .high = absurd_length}}, UMAX_FIELD(drop_height),
+           "lowest point above the highest obstacle below", {.unset = "none", .group = "position or drop_height"});
+  keys.add("velocity", VectorKind{units::speed, any_length}, UMAX_FIELD(velocity), "at the start");
+  keys.add("spin", VectorKind{units::spin, any_length}, UMAX_FIELD(spin_degrees),
+           "at the start, about the world's axes through the centre of mass");
+}
+
+void set_cells(const SceneValue& value, BodyDescription& body) {
+  const auto* array = value.as<SceneValue::Array>();
+  const IntegerKind count{.low = 1, .high = most_cells};
+  if (!array) {
+    body.cage.size = count.read(value);
+    return;
+  }
+  if (array->size() != 3)
+    throw value_error(value, "must be a number of cells or a grid of three", "write 365 or [14, 2, 2]");
+  const Vector3i grid(count.read((*array)[0]), count.read((*array)[1]), count.read((*array)[2]));
+  if (double(grid[0]) * grid[1] * grid[2] > most_cells)
+    throw value_error(value, "has more than 5 million cells", "give fewer cells");
+  body.cage.size = grid;
+}
+
+std::optional<std::string> get_cells(const BodyDescription& body) {
+  if (const int* count = std::get_if<int>(&body.cage.size)) return std::to_string(*count);
+  const auto* grid = std::get_if<Vector3i>(&body.cage.size);
+  if (!grid) return std::nullopt;
+  return fmt::format("[{}, {}, {}]", (*grid)[0], (*grid)[1], (*grid)[2]);
+}
+
+template <class Keys>
+void add_cage_keys(Keys& keys) {
+  keys.add_custom("cage.cells", "integer, 1 … 5000000, or [nx, ny, nz]",
+                  "wanted number of hexes (the nearest possible is taken), or the grid over the bounding box",
+                  {.group = "cage.cells or cage.cell_size"}, set_cells, get_cells);
+  const NumberKind edge{units::length, positive_length};
+  keys.add_custom(
+      "cage.cell_size", edge.type(), "edge of a hex",
+      {.unset = "from cage.cells", .group = "cage.cells or cage.cell_size"},
+      [edge](const SceneValue& value, BodyDescription& body) { body.cage.size = edge.read(value); },
+      [edge](const BodyDescription& body) -> std::optional<std::string> {
+        const double* size = std::get_if<double>(&body.cage.size);
+        return size ? std::optional(edge.write(*size)) : std::nullopt;
+      });
+  using Clip = CageDescription::Clip;
+  keys.add("cage.clip", ChoiceKind<Clip>{{{"filled", Clip::filled}, {"box", Clip::box}}}, UMAX_FIELD(cage.clip),
+           "filled: hexes that touch the solid; box: the whole grid");
+}
+
+template <class Keys>
+void add_material_keys(Keys& keys) {
+  keys.add("material.young", TrackKind<NumberKind>{{units::pressure, {.low = 0, .high = 1e15, .low_open = true}}},
+           UMAX_FIELD(material.young), "Young's modulus");
+  keys.add("material.poisson", NumberKind{units::ratio, {.low = -1, .high = 0.5, .low_open = true, .high_open = true}},
+           UMAX_FIELD(material.poisson), "Poisson's ratio");
+  keys.add("material.density", NumberKind{units::density, {.low = 0, .high = 1e9, .low_open = true}},
+           UMAX_FIELD(material.density), "mass per volume");
+  keys.add("material.mass", ChoiceKind<MassModel>{{{"mesh", MassModel::mesh}, {"lattice", MassModel::lattice}}},
+           UMAX_FIELD(material.mass), "mesh: a hex weighs its filled fraction, at least 5 %; lattice: full hexes");
+  keys.add("material.damping_mass", NumberKind{units::rate, not_negative}, UMAX_FIELD(material.damping_mass),
+           "Rayleigh damping by mass: slows all motion");
+  keys.add("material.damping_stiffness", NumberKind{units::time, not_negative}, UMAX_FIELD(material.damping_stiffness),
+           "Rayleigh damping by stiffness: slows deformation");
+}
+
+// One of limit.energy, .density, .stretch. A limit that is given is a hard one unless limit.kind says otherwise.
+template <class Kind, class Keys>
+void add_limit_key(Keys& keys, const std::string& name, LimitUnit unit, const Kind& kind, const std::string& meaning) {
+  const TrackKind<Kind> track{kind};
+  const auto set = [track, unit](const SceneValue& value, BodyDescription& body) {
+    body.limit = {.kind = LimitKind::hard, .unit = unit, .value = track.read(value)};
+  };
+  const auto get = [track, unit](const BodyDescription& body) -> std::optional<std::string> {
+    return body.limit.unit == unit ? std::optional(track.write(body.limit.value)) : std::nullopt;
+  };
+  keys.add_custom(name, track.type(), meaning,
+                  {.unset = unit == EnergyLimitOptions().unit ? "" : "none",
+                   .group = "limit.energy, limit.density or limit.stretch",
+                   .turns_limit_on = true},
+                  set, get);
+}
+
+template <class Keys>
+void add_limit_keys(Keys& keys) {
+  add_limit_key(keys, "limit.energy", LimitUnit::energy, NumberKind{units::energy, positive},
+                "most elastic energy of each hex");
+  add_limit_key(keys, "limit.density", LimitUnit::density, NumberKind{units::energy_density, positive},
+                "most elastic energy per volume of full hex: nearly independent of the cage");
+  add_limit_key(keys, "limit.stretch", LimitUnit::stretch, StretchKind(),
+                "the energy of this uniaxial stretch is the limit; 0.2 is 20 %");
+  keys.add("limit.kind",
+           ChoiceKind<LimitKind>{{{"none", LimitKind::none}, {"hard", LimitKind::hard}, {"soft", LimitKind::soft}}},
+           UMAX_FIELD(limit.kind),
+           "none: linear elastic; hard: never exceeded; soft: a stiffening barrier before the limit",
+           {.unset = "\"none\"; \"hard\" where a limit is given"});
+}
+
+void read_contact(const SceneValue& value, BodyDescription&) {
+  const auto* text = value.as<std::string>();
+  if (text && *text == "obstacles") return;
+  throw value_error(
+      value,
+      "bodies touch obstacles only: contact of bodies with each other or with themselves comes in a later version",
+      "remove the key, or write \"obstacles\"");
+}
+
+void read_fixed(const SceneValue& value, BodyDescription& body) {
+  const std::string remedy = "write [{ min = [x, y, z], max = [x, y, z] }]";
+  const auto* boxes = value.as<SceneValue::Array>();
+  if (!boxes) throw value_error(value, "must be a list of boxes, but is " + type_text(value), remedy);
+  body.fixed.clear();
+  for (const SceneValue& entry : *boxes) {
+    const auto* table = entry.as<SceneValue::Table>();
+    if (!table || table->size() != 2) throw value_error(entry, "must be a box with min and max", remedy);
+    FixedBox box;
+    for (const auto& [name, corner] : *table) {
+      if (name != "min" && name != "max")
+        throw value_error(corner, "has the unknown part " + toml_string(name), remedy);
+      (name == "min" ? box.min : box.max) = VectorKind{units::length, any_number}.read(corner);
+    }
+    if ((box.min.array() > box.max.array()).any()) throw value_error(entry, "has a min beyond its max", "swap them");
+    body.fixed.push_back(box);
+  }
+}
+
+std::optional<std::string> get_fixed(const BodyDescription& body) {
+  std::string text = "[";
+  for (const FixedBox& box : body.fixed)
+    text += (text.size() > 1 ? ", { min = " : "{ min = ") + VectorKind().write(box.min) +
+            ", max = " + VectorKind().write(box.max) + " }";
+  return text + "]";
+}
+
+}  // namespace
+
+SceneSection body_section() {
+  SceneSection section{.name = "body", .meaning = "a soft body"};
+  auto keys = named_section(section, &Scene::bodies);
+  add_shape_keys(keys);
+  add_placement_keys(keys);
+  keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
+           "Coulomb coefficient; a pair takes the larger one");
+  keys.add_custom("contact", "\"obstacles\"", "what it touches", {}, read_contact,
+                  [](const BodyDescription&) { return std::optional<std::string>("\"obstacles\""); });
+  add_cage_keys(keys);
+  add_material_keys(keys);
+  add_limit_keys(keys);
+  keys.add_custom("fixed", "list of { min = [x, y, z], max = [x, y, z] } [m]",
+                  "nodes in these boxes stay put; world coordinates of the initial placed shape", {}, read_fixed,
+                  get_fixed);
+  add_look_keys(keys);
+  const auto texture = [](auto& body) { return body.texture_path.empty() ? nullptr : &body.texture_path; };
+  keys.add_custom(
+      "look.texture", "path", "picture that multiplies the colour, where the mesh has texture coordinates",
+      {.unset = "the mesh file's own"},
+      [](const SceneValue& value, BodyDescription& body) { body.texture_path = ExistingFileKind().read(value); },
+      [texture](const BodyDescription& body) -> std::optional<std::string> {
+        return texture(body) ? std::optional(PathKind().write(body.texture_path)) : std::nullopt;
+      });
+  return section;
+}
+
+}  // namespace umax

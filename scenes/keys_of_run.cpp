@@ -1,0 +1,58 @@
+// Scene keys of what runs: the clip, the solver, and the scene's own name.
+#include "scenes/section_builder.h"
+
+namespace umax {
+
+SceneSection top_section() {
+  SceneSection section{.name = "", .meaning = "above the first table"};
+  const auto at = [](auto& scene, std::size_t) -> auto& {
+    return scene;
+  };
+  SectionBuilder<Scene, decltype(at)> keys(section, at);
+  keys.add("name", TextKind(), UMAX_FIELD(name), "what the scene is called", {.unset = "the file's stem"});
+  keys.add("description", TextKind(), UMAX_FIELD(description), "one line about it");
+  return section;
+}
+
+SceneSection clip_section() {
+  SceneSection section{.name = "clip", .meaning = "length and pace of the clip"};
+  auto keys = plain_section(section, &Scene::clip);
+  keys.add("frames", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(frames),
+           "number of frames; the first is the initial state");
+  keys.add("fps", NumberKind{units::rate, {.low = 0, .high = 100000, .low_open = true}}, UMAX_FIELD(fps),
+           "frames a second");
+  keys.add("substeps", IntegerKind{.low = 1, .high = 100000}, UMAX_FIELD(substeps), "time steps a frame");
+  keys.add("gravity", VectorKind{units::acceleration, {.low = -1e6, .high = 1e6}}, UMAX_FIELD(gravity),
+           "acceleration of gravity");
+  return section;
+}
+
+SceneSection solver_section() {
+  SceneSection section{.name = "solver", .meaning = "how a time step is solved"};
+  auto keys = plain_section(section, &Scene::solver);
+  keys.add("method", ChoiceKind<SolverMethod>{{{"exact", SolverMethod::exact}, {"paper", SolverMethod::paper}}},
+           UMAX_FIELD(method), "exact: sequential quadratic programming; paper: projected Gauss-Seidel as published");
+  keys.add("tolerance", NumberKind{units::ratio, {.low = 1e-12, .high = 1}}, UMAX_FIELD(tolerance),
+           "bound on U/U_max - 1 at the end of a step");
+  keys.add("energy", ChoiceKind<EnergyMeasure>{{{"true", EnergyMeasure::true_energy}, {"paper", EnergyMeasure::paper}}},
+           UMAX_FIELD(energy), "the energy that a limit measures");
+  keys.add("rotation",
+           ChoiceKind<RotationEstimate>{{{"centre", RotationEstimate::centre},
+                                         {"tetrahedron", RotationEstimate::tetrahedron},
+                                         {"kuhn", RotationEstimate::kuhn}}},
+           UMAX_FIELD(rotation), "where a hex takes its rotation from");
+  keys.add("jacobian",
+           ChoiceKind<LimitJacobian>{{{"exact", LimitJacobian::exact},
+                                      {"fixed_rotation", LimitJacobian::fixed_rotation},
+                                      {"warped", LimitJacobian::warped}}},
+           UMAX_FIELD(jacobian), "derivative of the limits");
+  keys.add("max_iterations", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(max_iterations),
+           "re-linearisations a step, at most");
+  keys.add("max_sweeps", IntegerKind{.low = 1, .high = 100000000}, UMAX_FIELD(max_sweeps),
+           "Gauss-Seidel sweeps a re-linearisation, at most");
+  keys.add("sweep_tolerance", NumberKind{units::ratio, {.low = 1e-15, .high = 1}}, UMAX_FIELD(sweep_tolerance),
+           "relative change at which the sweeps stop");
+  return section;
+}
+
+}  // namespace umax

@@ -1,0 +1,94 @@
+// Scene keys of [obstacle.NAME] and [probe.NAME].
+#include "scenes/mesh_keys.h"
+
+namespace umax {
+namespace {
+
+constexpr Range positive_length{.low = 0, .high = 1e6, .low_open = true};
+constexpr Range any_length{.low = -1e6, .high = 1e6};
+
+void set_shape(const SceneValue& value, ObstacleDescription& obstacle) {
+  const std::string shape = WordKind{{"plane", "sphere", "box", "mesh"}}.read(value);
+  if (shape == "plane") obstacle.shape = HalfSpace();
+  if (shape == "sphere") obstacle.shape = Ball();
+  if (shape == "box") obstacle.shape = Block();
+  if (shape == "mesh") obstacle.shape = MeshSource();
+}
+
+std::optional<std::string> get_shape(const ObstacleDescription& obstacle) {
+  constexpr const char* names[] = {"plane", "sphere", "box", "mesh"};
+  return toml_string(names[obstacle.shape.index()]);
+}
+
+void set_size(const SceneValue& value, ObstacleDescription& obstacle) {
+  auto* block = std::get_if<Block>(&obstacle.shape);
+  if (!block) throw value_error(value, "does not fit here", "it belongs to shape = \"box\"");
+  block->half_size = VectorKind{units::length, positive_length}.read(value) / 2;
+}
+
+std::optional<std::string> get_size(const ObstacleDescription& obstacle) {
+  const auto* block = std::get_if<Block>(&obstacle.shape);
+  return block ? std::optional(VectorKind().write(2 * block->half_size)) : std::nullopt;
+}
+
+template <class Keys>
+void add_shape_keys(Keys& keys) {
+  const std::string of_mesh = "shape = \"mesh\"";
+  const auto mesh_of = [](auto& obstacle) { return std::get_if<MeshSource>(&obstacle.shape); };
+  const auto require_mesh = [of_mesh](const SceneValue& value, ObstacleDescription& obstacle) {
+    if (!std::holds_alternative<MeshSource>(obstacle.shape))
+      throw value_error(value, "does not fit here", "it belongs to " + of_mesh);
+  };
+  keys.add_custom("shape", R"("plane", "sphere", "box", "mesh")", "what it is; a plane is solid below its y = 0",
+                  {.unset = "required",
+                   .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius"},
+                   .defines = true,
+                   .required = true},
+                  set_shape, get_shape);
+  add_mesh_keys(keys, mesh_of, require_mesh, {.unset = "none", .resets = {"mesh_sha256"}});
+  keys.add_custom("size", VectorKind{units::length, positive_length}.type(), "edges of a box",
+                  {.unset = VectorKind().write(2 * Block().half_size)}, set_size, get_size);
+  const auto radius = [](auto& obstacle) {
+    auto* ball = std::get_if<Ball>(&obstacle.shape);
+    return ball ? &ball->radius : nullptr;
+  };
+  keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere",
+           {.unset = number_text(Ball().radius), .belongs_to = "shape = \"sphere\""});
+  const auto of_mesh_only = [mesh_of](auto member) {
+    return [mesh_of, member](auto& obstacle) { return mesh_of(obstacle) ? &(obstacle.*member) : nullptr; };
+  };
+  keys.add("height", NumberKind{units::length, positive_length}, of_mesh_only(&ObstacleDescription::height),
+           "scales a mesh to this height",
+           {.unset = "as the mesh is", .belongs_to = of_mesh, .group = "height or scale"});
+  keys.add("scale", NumberKind{units::ratio, positive_length}, of_mesh_only(&ObstacleDescription::scale),
+           "scales a mesh", {.unset = "as the mesh is", .belongs_to = of_mesh, .group = "height or scale"});
+}
+
+}  // namespace
+
+SceneSection obstacle_section() {
+  SceneSection section{.name = "obstacle", .meaning = "something that bodies fall on, at rest or moving by keyframes"};
+  auto keys = named_section(section, &Scene::obstacles);
+  add_shape_keys(keys);
+  keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
+           "Coulomb coefficient; a pair takes the larger one");
+  keys.add("position", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(position),
+           "of the centre of a sphere or box, a plane's or mesh's own origin");
+  keys.add("rotation", TrackKind<VectorKind>{{units::angle, {.low = -1e6, .high = 1e6}}}, UMAX_FIELD(rotation_degrees),
+           "about world X, then Y, then Z");
+  keys.add("visible", FlagKind(), UMAX_FIELD(visible), "whether pictures show it");
+  add_look_keys(keys);
+  return section;
+}
+
+SceneSection probe_section() {
+  SceneSection section{.name = "probe", .meaning = "a material point whose position goes into steps.csv"};
+  auto keys = named_section(section, &Scene::probes);
+  keys.add("body", TextKind(), UMAX_FIELD(body), "name of the body that it rides on", {.unset = "the only body"});
+  keys.add("point", VectorKind{units::length, any_length}, UMAX_FIELD(point),
+           "in world coordinates of the initial placed shape",
+           {.unset = "required", .defines = true, .required = true});
+  return section;
+}
+
+}  // namespace umax

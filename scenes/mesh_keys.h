@@ -1,0 +1,96 @@
+// Scene keys that bodies and obstacles share: where a mesh comes from, and how a surface looks.
+#pragma once
+
+#include "scenes/section_builder.h"
+#include "scenes/sha256.h"
+
+namespace umax {
+
+/// Reads the path of a mesh; the file must be there. Fills path and sha256.
+inline void read_mesh_path(const SceneValue& value, MeshSource& mesh) {
+  mesh.path = PathKind().read(value);
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(mesh.path, failed)) {
+    throw Error(ExitCode::not_found, {.where = where_text(value.place, value.key),
+                                      .what = "no such file",
+                                      .value = mesh.path.string(),
+                                      .remedy = mesh.from.empty() ? "check the path" : "it is had from " + mesh.from});
+  }
+  mesh.sha256 = sha256_of_file(mesh.path);
+}
+
+/// Reads the SHA-256 that the mesh must have.
+inline void check_mesh_sha256(const SceneValue& value, const MeshSource& mesh) {
+  const std::string wanted = TextKind().read(value);
+  if (wanted != mesh.sha256) {
+    throw value_error(value,
+                      "the mesh " + mesh.path.string() +
+                          " is not the one that the scene was made with: its SHA-256 is " + mesh.sha256,
+                      "restore the mesh, or remove this key to accept the new one");
+  }
+}
+
+/// mesh_of(thing): a pointer to its MeshSource, null while it has another shape. become_mesh(value, thing): makes it a
+/// mesh, or throws where another shape was asked for.
+template <class Builder, class MeshOf, class BecomeMesh>
+void add_mesh_keys(Builder& keys, MeshOf mesh_of, BecomeMesh become_mesh, const KeyTraits& traits) {
+  const auto set_from = [mesh_of, become_mesh](const SceneValue& value, auto& thing) {
+    become_mesh(value, thing);
+    mesh_of(thing)->from = TextKind().read(value);
+  };
+  const auto get_from = [mesh_of](const auto& thing) -> std::optional<std::string> {
+    const auto* mesh = mesh_of(thing);
+    return mesh ? std::optional(toml_string(mesh->from)) : std::nullopt;
+  };
+  keys.add_custom("mesh_from", "text", "where the mesh is had: said when it is missing", {.unset = "\"\""}, set_from,
+                  get_from);
+
+  const auto set_path = [mesh_of, become_mesh](const SceneValue& value, auto& thing) {
+    become_mesh(value, thing);
+    read_mesh_path(value, *mesh_of(thing));
+  };
+  const auto get_path = [mesh_of](const auto& thing) -> std::optional<std::string> {
+    const auto* mesh = mesh_of(thing);
+    return mesh ? std::optional(PathKind().write(mesh->path)) : std::nullopt;
+  };
+  keys.add_custom("mesh", "path", "file of the surface: OBJ, PLY, STL, OFF, glTF, FBX, COLLADA", traits, set_path,
+                  get_path);
+
+  const auto set_hash = [mesh_of](const SceneValue& value, auto& thing) {
+    const auto* mesh = mesh_of(thing);
+    if (!mesh || mesh->path.empty()) throw value_error(value, "does not fit here", "it belongs to mesh = \"PATH\"");
+    check_mesh_sha256(value, *mesh);
+  };
+  const auto get_hash = [mesh_of](const auto& thing) -> std::optional<std::string> {
+    const auto* mesh = mesh_of(thing);
+    return mesh ? std::optional(toml_string(mesh->sha256)) : std::nullopt;
+  };
+  keys.add_custom("mesh_sha256", "text", "SHA-256 of the mesh file; another file is refused", {.unset = "not checked"},
+                  set_hash, get_hash);
+
+  const auto part = [mesh_of](auto member) {
+    return [mesh_of, member](auto& thing) {
+      auto* mesh = mesh_of(thing);
+      return mesh ? &(mesh->*member) : nullptr;
+    };
+  };
+  keys.add("unit", LengthUnitKind(), part(&MeshSource::unit), "length of one unit of the mesh file",
+           {.unset = "the file's own, else m", .belongs_to = "a mesh"});
+  keys.add("up", WordKind{{"x", "y", "z"}}, part(&MeshSource::up), "the mesh file's axis that points up",
+           {.unset = "the file's own, else \"y\"", .belongs_to = "a mesh"});
+}
+
+/// Keys of the field `look`.
+template <class Builder>
+void add_look_keys(Builder& keys) {
+  const NumberKind fraction{units::ratio, zero_to_one};
+  keys.add("look.color", ColorKind(), UMAX_FIELD(look.base_color), "colour of the surface");
+  keys.add("look.roughness", fraction, UMAX_FIELD(look.roughness), "0: mirror-like, 1: matt");
+  keys.add("look.ior", NumberKind{units::ratio, {.low = 1, .high = 4}}, UMAX_FIELD(look.ior),
+           "refractive index of the glossy layer: strength of reflections");
+  keys.add("look.metallic", fraction, UMAX_FIELD(look.metallic), "0: plastic-like, 1: metal");
+  keys.add("look.clearcoat", fraction, UMAX_FIELD(look.clearcoat), "strength of a coat of varnish");
+  keys.add("look.clearcoat_roughness", fraction, UMAX_FIELD(look.clearcoat_roughness), "roughness of the varnish");
+}
+
+}  // namespace umax

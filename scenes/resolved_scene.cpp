@@ -1,0 +1,32 @@
+#include "scenes/resolved_scene.h"
+
+#include "scenes/scene_keys.h"
+
+namespace umax {
+namespace {
+
+void write_keys(const SceneSection& section, const Scene& scene, std::size_t index, std::string& text) {
+  for (const SceneKey& key : section.keys)
+    if (const auto value = key.write(scene, index)) text += key.name + " = " + *value + "\n";
+}
+
+}  // namespace
+
+std::string resolved_toml(const Scene& scene) {
+  std::string text = "# Every setting of this run, in SI units. `umax run` on this file repeats it.\n";
+  for (const SceneSection& section : scene_sections()) {
+    if (!section.named) {
+      if (!section.name.empty()) text += "\n[" + section.name + "]\n";
+      write_keys(section, scene, 0, text);
+      continue;
+    }
+    const std::vector<std::string> names = section.names(scene);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      text += "\n[" + section.name + "." + names[i] + "]\n";
+      write_keys(section, scene, i, text);
+    }
+  }
+  return text;
+}
+
+}  // namespace umax

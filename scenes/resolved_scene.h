@@ -1,0 +1,14 @@
+// A scene as resolved: every key written out, so that a run can be repeated.
+#pragma once
+
+#include <string>
+
+#include "scenes/scene.h"
+
+namespace umax {
+
+/// TOML with every default, absolute paths, the SHA-256 of meshes, numbers to the last bit. Reading it gives the same
+/// scene, writing that gives the same bytes.
+std::string resolved_toml(const Scene& scene);
+
+}  // namespace umax

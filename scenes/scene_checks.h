@@ -1,0 +1,11 @@
+// What no single key can tell: whether a scene's things fit together.
+#pragma once
+
+#include "scenes/scene_document.h"
+
+namespace umax {
+
+/// Fills in what depends on the rest (a probe's only body), and throws Error for what cannot be simulated or shown.
+void complete_and_check(Scene& scene, const SceneDocument& document);
+
+}  // namespace umax
