@@ -151,9 +151,9 @@ TEST_CASE("an unusable hex is refused by an error that names the fault and the p
   Matrix8x3d flat = good;
   flat.col(2).setZero();
   CHECK(message(flat, 0.3).find("hex: is inverted") == 0);
-  Matrix8x3d dented = good;  // one corner pushed through: only that corner is inverted
-  dented.row(7) << 0.45, 0.45, 0.45;
-  CHECK(message(dented, 0.3).find("det(dX/ds) must be positive at its") != std::string::npos);
+  Matrix8x3d dented = good;  // one corner pushed in: inverted there, but at no quadrature point
+  dented.row(7) << 0.6, 0.6, 0.6;
+  CHECK(message(dented, 0.3).find("must be positive at its node 7, got -0.025") != std::string::npos);
   Matrix8x3d not_a_number = good;
   not_a_number(3, 1) = std::nan("");
   CHECK_FALSE(message(not_a_number, 0.3).empty());
