@@ -1,0 +1,37 @@
+// A surface that rides in the cage: every vertex keeps its place inside its hex while the hexes deform.
+//
+// [PPO13] Sect. 4.1: x(p) = sum_n N_n(s_p) x_n, with s_p the vertex's rest coordinates in its hex
+#pragma once
+
+#include <vector>
+
+#include "core/embedded_points.h"
+#include "core/lattice.h"
+#include "core/triangle_mesh.h"
+#include "embedding/normals.h"
+
+namespace umax {
+
+struct Embedding {
+  EmbeddedPoints points;        // #V hex and trilinear weights of every vertex
+  Points local;                 // #V x 3 coordinates in the vertex's hex, in [0, 1] (1e-9 beyond on faces)
+  std::vector<int> slot;        // #V index into used_hexes
+  std::vector<int> used_hexes;  // hexes that hold a vertex, ascending
+  VertexFans fans;              // whose triangles make each vertex's normal
+};
+
+/// Where each point lies in a regular lattice; on a shared face the hex with the lowest index. Throws Error (bad_data)
+/// that names the first point outside the cage. `what` names the points in that message.
+EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const char* what = "point");
+
+/// Ties a mesh at rest to the lattice. Throws as embed_points() does.
+Embedding embed(const TriangleMesh& rest, const Lattice& lattice);
+
+/// Positions and unit normals of the surface for node positions (#N x 3 [m]). Only out.positions and out.normals are
+/// written (and sized on first use). The same bits for any number of threads.
+void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes, TriangleMesh& out);
+
+/// Current positions of embedded points, #P x 3 [m].
+Points deform_points(const EmbeddedPoints& points, const Hexes& hexes, const Points& nodes);
+
+}  // namespace umax

@@ -1,0 +1,39 @@
+// The mesh as an OpenVDB level set: signed distances near the surface, inside or outside everywhere.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+
+namespace umax {
+
+struct LevelSetOptions {
+  double voxel = 0.01;     // [m] edge of a voxel
+  double band_voxels = 3;  // [voxels] exact distances reach this far on both sides; further out they are cut off
+  bool is_signed = true;   // false: distances without sign
+};
+
+/// Points may be asked from any number of threads.
+class LevelSet {
+ public:
+  /// positions: #P x 3 [m]; triangles: #T x 3. Voxel corners lie at origin + voxel * integers.
+  LevelSet(const Points& positions, const Triangles& triangles, const Vector3d& origin, const LevelSetOptions& options);
+  ~LevelSet();
+  LevelSet(LevelSet&&) noexcept;
+  LevelSet& operator=(LevelSet&&) noexcept;
+
+  double voxel() const;
+  /// [m^3] enclosed by the zero crossing of a signed field.
+  double volume() const;
+  /// Distance [m] at each point, trilinear, negative inside, cut off at the band.
+  std::vector<float> sample(const Points& points) const;
+  /// Values [m] at origin + voxel * (i, j, k) for i, j, k < size; index (i * size.y + j) * size.z + k.
+  std::vector<float> dense(const Vector3i& size) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace umax

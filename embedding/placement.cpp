@@ -1,0 +1,88 @@
+#include "embedding/placement.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace umax {
+namespace {
+
+[[noreturn]] void refuse(const char* key, const char* what, const std::string& value, const char* remedy) {
+  throw Error(ExitCode::bad_data, {key, what, value, remedy});
+}
+
+double positive(const char* key, const char* remedy, double value) {
+  if (!(value > 0) || !std::isfinite(value))
+    refuse(key, "must be a positive number", fmt::format("{:g}", value), remedy);
+  return value;
+}
+
+// cyclic turns, so that right-handed stays right-handed
+Matrix3d y_up_from(const std::string& up) {
+  const bool negative = !up.empty() && up[0] == '-';
+  const std::string axis = negative || (!up.empty() && up[0] == '+') ? up.substr(1) : up;
+  Matrix3d turn = Matrix3d::Identity();
+  if (axis == "x" || axis == "X") {
+    turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  } else if (axis == "z" || axis == "Z") {
+    turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  } else if (axis != "y" && axis != "Y") {
+    refuse("up", "must be an axis", '"' + up + '"', "give \"x\", \"y\" or \"z\"");
+  }
+  if (negative) turn = Vector3d(1, -1, -1).asDiagonal() * turn;  // half a turn about X
+  return turn;
+}
+
+// sine and cosine that are exact for whole quarter turns
+Matrix3d axis_rotation(double degrees, const Vector3d& axis) {
+  const double quarter_turns = degrees / 90;
+  if (quarter_turns == std::round(quarter_turns) && std::abs(quarter_turns) < 1e9) {
+    const Matrix3d turn = Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis).toRotationMatrix();
+    return turn.array().round();
+  }
+  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis).toRotationMatrix();
+}
+
+double box_height(const Points& positions) {
+  return positions.col(1).maxCoeff() - positions.col(1).minCoeff();
+}
+
+}  // namespace
+
+Matrix3d rotation_from_degrees(const Vector3d& degrees) {
+  return axis_rotation(degrees[2], Vector3d::UnitZ()) * axis_rotation(degrees[1], Vector3d::UnitY()) *
+         axis_rotation(degrees[0], Vector3d::UnitX());
+}
+
+void place(TriangleMesh& mesh, const Placement& placement) {
+  if (mesh.num_vertices() == 0) return;
+  if (placement.unit)
+    mesh.positions *= positive("unit", "give the length of one file unit, such as \"cm\"", *placement.unit);
+  if (!placement.rotation_degrees.allFinite()) refuse("rotation", "must be three finite angles", "", "give degrees");
+
+  const Matrix3d turn = rotation_from_degrees(placement.rotation_degrees) * y_up_from(placement.up.value_or("y"));
+  if (turn != Matrix3d::Identity()) {
+    mesh.positions = (mesh.positions * turn.transpose()).eval();
+    if (mesh.normals.rows() > 0) mesh.normals = (mesh.normals * turn.transpose()).eval();
+  }
+
+  if (placement.height) {
+    const double wanted = positive("height", "give a height such as \"2 m\"", *placement.height);
+    const double height = box_height(mesh.positions);
+    if (!(height > 0)) refuse("height", "cannot be reached: the placed mesh is flat", "0 m", "give a scale instead");
+    mesh.positions *= wanted / height;
+  } else if (placement.scale) {
+    mesh.positions *= positive("scale", "give a factor such as 0.5", *placement.scale);
+  }
+
+  if (placement.position) {
+    const Eigen::RowVector3d centre = 0.5 * (mesh.positions.colwise().minCoeff() + mesh.positions.colwise().maxCoeff());
+    mesh.positions.rowwise() += placement.position->transpose() - centre;
+  }
+}
+
+}  // namespace umax

@@ -1,0 +1,28 @@
+// Where and how large a mesh stands in the scene.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/triangle_mesh.h"
+
+namespace umax {
+
+struct Placement {
+  std::optional<double> unit;          // [m] length of one file unit; unset: 1
+  std::optional<std::string> up;       // "x", "y", "z" or with a sign, "-z"; unset: "y"
+  std::optional<double> height;        // [m] the placed bounding box is this tall
+  std::optional<double> scale;         // [-] uniform; ignored when height is given
+  Vector3d rotation_degrees{0, 0, 0};  // about world X, then Y, then Z
+  std::optional<Vector3d> position;    // [m] where the centre of the bounding box goes; unset: where it is
+};
+
+/// Applies, in this order: unit, up axis to +Y, rotation, height or scale (about the world's origin), position. Turns
+/// normals along. Throws Error (bad_data) for values that are not positive, an unknown axis, or a height for a mesh
+/// that is flat.
+void place(TriangleMesh& mesh, const Placement& placement);
+
+/// R = Rz Ry Rx: about world X first, then Y, then Z.
+Matrix3d rotation_from_degrees(const Vector3d& degrees);
+
+}  // namespace umax

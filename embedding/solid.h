@@ -1,0 +1,39 @@
+// Which points are inside a mesh, whatever its faults: OpenVDB's level set where its volume can be trusted, else
+// winding numbers of the capped surface.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+#include "embedding/level_set.h"
+#include "embedding/winding.h"
+
+namespace umax {
+
+struct Solid {
+  ClosedSurface surface;
+  std::optional<LevelSet> level_set;  // set only when it decides what is inside
+  double mesh_volume = 0;          // [m^3] enclosed by the surface as it stands, holes capped, overlaps counted twice
+  double level_set_volume = 0;     // [m^3] 0: no level set was made
+  double volume = 0;               // [m^3] of the inside, by the method chosen
+  double area = 0;                 // [m^2]
+  std::string method;              // "level set" or "winding numbers"
+  std::vector<std::string> notes;  // what was found and done; empty for a sound closed mesh
+};
+
+/// voxel [m]: of the level set; made larger, or the level set left out, where it would take too much memory.
+Solid make_solid(const TriangleMesh& mesh, double voxel);
+
+/// Points at origin + spacing * (i, j, k).
+struct PointGrid {
+  Vector3d origin{0, 0, 0}, spacing{1, 1, 1};  // [m]
+  Vector3i size{0, 0, 0};
+};
+
+/// Which of the grid points (i, j, k), sorted and without duplicates, are inside.
+std::vector<char> are_inside(const Solid& solid, const PointGrid& grid, const std::vector<std::array<int, 3>>& points);
+
+}  // namespace umax
