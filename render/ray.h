@@ -1,6 +1,7 @@
 // A ray and what it meets.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <limits>
 
 #include "render/image.h"

@@ -6,6 +6,7 @@
 // [Ahmed, Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error"].
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdint>
