@@ -245,16 +245,23 @@ void write_state(const std::filesystem::path& path, const State& state, const Di
   write_file(path, encode_state(state, model));
 }
 
-State read_state(const std::filesystem::path& path, const Model& model, const Digest& digest) {
-  Digest found;
-  State state = decode_state(read_file(path), path.string(), found);
-  if (found != digest)
-    throw Error(ExitCode::bad_data, {path.string(), "was made by another scene, mesh or solver setting", "",
-                                     "give the run another folder with -o, or replace it with --overwrite"});
+void require_state_of(const Model& model, const Digest& digest, const std::filesystem::path& path, const State& state,
+                      const Digest& made_with) {
+  if (made_with != digest)
+    throw Error(ExitCode::bad_data, {.where = path.string(),
+                                     .what = "was made by another scene, mesh or solver setting",
+                                     .remedy = "give the run another folder with -o, or replace it with --overwrite"});
   if (state.positions.rows() != model.num_nodes() || state.velocities.rows() != model.num_nodes() ||
       state.limit_multipliers.size() != model.num_hexes())
-    throw Error(ExitCode::bad_data,
-                {path.string(), "has other sizes than its model", "", "simulate again with --overwrite"});
+    throw Error(ExitCode::bad_data, {.where = path.string(),
+                                     .what = "has other sizes than its model",
+                                     .remedy = "simulate again with --overwrite"});
+}
+
+State read_state(const std::filesystem::path& path, const Model& model, const Digest& digest) {
+  Digest made_with;
+  State state = decode_state(read_file(path), path.string(), made_with);
+  require_state_of(model, digest, path, state, made_with);
   return state;
 }
 

@@ -27,6 +27,10 @@ State decode_state(std::string_view bytes, const std::string& where, Digest& mod
 /// Puts the state at `path`, whole or not at all.
 void write_state(const std::filesystem::path& path, const State& state, const Digest& model);
 
+/// Throws Error (bad_data) unless a state read from `path`, made with the model `made_with`, belongs to this model.
+void require_state_of(const Model& model, const Digest& digest, const std::filesystem::path& path, const State& state,
+                      const Digest& made_with);
+
 /// Reads a state and makes sure that it belongs to the model. Throws Error (bad_data, not_found, io_error).
 State read_state(const std::filesystem::path& path, const Model& model, const Digest& digest);
 

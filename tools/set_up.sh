@@ -1,0 +1,50 @@
+# Sourced by tools/demo and tools/test: installs the packages that are missing, configures and builds the Release.
+# Defines: root (the source folder), build (build/release), jobs. Works from any current directory.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build/release
+
+say() { printf '== %s\n' "$*"; }
+die() { printf '%s: error: %s\n' "$(basename "$0")" "$1" >&2; exit "$2"; }
+
+install_packages() {
+  local package missing=()
+  while read -r package; do
+    # a name may be provided by another package (pkg-config by pkgconf): ask for the installed ones that provide it
+    [ "$(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null | grep -cx installed)" -gt 0 ] || missing+=("$package")
+  done < <(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/tools/packages")
+  [ ${#missing[@]} -gt 0 ] || return 0
+
+  command -v apt-get >/dev/null || die "apt-get is not here; install by other means: ${missing[*]}" 69
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || die "not root and no sudo; ask an administrator for: apt-get install ${missing[*]}" 69
+    as_root=(sudo)
+  fi
+  say "installing ${#missing[@]} packages: ${missing[*]}"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" </dev/null >/dev/null
+}
+
+# as many compilers as there are cores, but no more than one for every 1.5 GiB of memory
+count_jobs() {
+  local cores memory_kib by_memory
+  cores=$(nproc)
+  memory_kib=$(awk '/MemAvailable/ { print $2 }' /proc/meminfo)
+  by_memory=$((memory_kib / 1572864))
+  [ "$by_memory" -ge 1 ] || by_memory=1
+  echo $((cores < by_memory ? cores : by_memory))
+}
+
+build_release() {
+  say "configuring $build"
+  (cd "$root" && cmake --preset release -DUMAX_MODELS="${UMAX_MODELS:-}" >"$build.log" 2>&1) ||
+    { cat "$build.log" >&2; die "cmake failed" 70; }
+  say "building with $jobs jobs"
+  cmake --build "$build" --parallel "$jobs" || die "the build failed" 70
+}
+
+mkdir -p "$root/build"
+install_packages
+jobs=$(count_jobs)
+build_release
