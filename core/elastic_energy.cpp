@@ -1,6 +1,6 @@
-// The exact Hessian as a rank-6 change of the warped stiffness. In the local frame, z_j = R^T dx_j, with the stacks (24
-// x 3)
-//   Y_j = [y_j]x,  Gamma_j = [g_j]x  and  W^T, block j: [h_j]x^T D^-1   (so w = W z is the local spin of R),
+// The exact Hessian as a rank-6 change of the warped stiffness. In the local frame, z_j = R^T dx_j, with the stacks
+// (24 x 3)
+//   Y_j = [y_j]x  and  W^T, block j: [h_j]x^T D^-1   (so w = W z is the local spin of R),
 // the derivatives are
 //   du = P z,  P = I + Y W          dp = D^-1 (sum_k (P z)_k x g_k - dD p) + (the part that is inside P^T K P)
 // and collecting terms in  H z = P^T K P z + (w x q_j)_j - (dp x h_j)_j  leaves
@@ -49,7 +49,7 @@ Vector3d axial(const Matrix3d& A) {
   return {A(1, 2) - A(2, 1), A(2, 0) - A(0, 2), A(0, 1) - A(1, 0)};
 }
 
-// K B, four columns at a time from registers.
+// K B. The lazy product keeps the accumulators in registers at these sizes.
 template <int N>
 Eigen::Matrix<double, 24, N> multiply(const Matrix24d& K, const Eigen::Matrix<double, 24, N>& B) {
   return K.lazyProduct(B);

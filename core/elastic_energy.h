@@ -29,8 +29,9 @@ double elastic_energy(const Matrix24d& K, double young, const CorotatedHex& hex)
 /// R Y K u [N]: minus the warped elastic force. With K = stiffness_paper: the paper's R-fixed gradient of its energy.
 Vector24d warped_gradient(const Matrix24d& K, double young, const CorotatedHex& hex);
 
-/// dU/dx [N], exact. h: HexShape::rotation_gradients of the estimate used in corotate(). When D is (nearly) singular
-/// (inverted or degenerate element) the torque term is taken on D's well-conditioned directions only.
+/// dU/dx [N], exact. h: HexShape::rotation_gradients of the estimate used in corotate(). Where the rotation is (nearly)
+/// undetermined (D singular: an inverted or collapsed element) the torque term of that direction fades out
+/// continuously.
 Vector24d exact_gradient(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex);
 
 /// R Y K R^T [N/m]: positive semi-definite.
