@@ -130,6 +130,7 @@ BsdfLook make_bsdf_look(const Look& look, const std::string& where) {
   }
   BsdfLook result{.alpha = alpha_of(look.roughness),
                   .f0 = reflectance_at_normal(look.ior),
+                  .f90 = std::min(1.0f, 50 * reflectance_at_normal(look.ior)),  // none where the layer is none
                   .metallic = look.metallic,
                   .coat = look.clearcoat,
                   .coat_alpha = alpha_of(look.clearcoat_roughness),
@@ -158,8 +159,8 @@ Bsdf make_bsdf(const BsdfLook& look, const Vector3f& base_color, const Vector3f&
   // dielectric layer over the diffuse base
   const float dielectric = below_coat * (1 - look.metallic) * compensation(look.f0, e.a);
   bsdf.glossy_a.setConstant(dielectric * look.f0);
-  bsdf.glossy_b.setConstant(dielectric * (1 - look.f0));
-  const float dielectric_albedo = compensation(look.f0, e.a) * (look.f0 * e.a + (1 - look.f0) * e.b);
+  bsdf.glossy_b.setConstant(dielectric * (look.f90 - look.f0));
+  const float dielectric_albedo = compensation(look.f0, e.a) * (look.f0 * e.a + (look.f90 - look.f0) * e.b);
   bsdf.diffuse = below_coat * (1 - look.metallic) * (1 - dielectric_albedo) * base_color;
   // metal
   if (look.metallic > 0) {

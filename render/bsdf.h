@@ -32,7 +32,7 @@ class GlossyAlbedo {
 
 /// A look with its tables: one per object, made once a picture.
 struct BsdfLook {
-  float alpha = 0.25f, f0 = 0.04f, metallic = 0;
+  float alpha = 0.25f, f0 = 0.04f, f90 = 1, metallic = 0;
   float coat = 0, coat_alpha = 1e-3f;
   GlossyAlbedo albedo, coat_albedo;
 };
