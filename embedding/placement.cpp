@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.h"
+#include "core/rotation.h"
 
 namespace umax {
 namespace {
@@ -37,26 +36,11 @@ Matrix3d y_up_from(const std::string& up) {
   return turn;
 }
 
-// sine and cosine that are exact for whole quarter turns
-Matrix3d axis_rotation(double degrees, const Vector3d& axis) {
-  const double quarter_turns = degrees / 90;
-  if (quarter_turns == std::round(quarter_turns) && std::abs(quarter_turns) < 1e9) {
-    const Matrix3d turn = Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis).toRotationMatrix();
-    return turn.array().round();
-  }
-  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis).toRotationMatrix();
-}
-
 double box_height(const Points& positions) {
   return positions.col(1).maxCoeff() - positions.col(1).minCoeff();
 }
 
 }  // namespace
-
-Matrix3d rotation_from_degrees(const Vector3d& degrees) {
-  return axis_rotation(degrees[2], Vector3d::UnitZ()) * axis_rotation(degrees[1], Vector3d::UnitY()) *
-         axis_rotation(degrees[0], Vector3d::UnitX());
-}
 
 void place(TriangleMesh& mesh, const Placement& placement) {
   if (mesh.num_vertices() == 0) return;

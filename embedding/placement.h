@@ -22,7 +22,4 @@ struct Placement {
 /// that is flat.
 void place(TriangleMesh& mesh, const Placement& placement);
 
-/// R = Rz Ry Rx: about world X first, then Y, then Z.
-Matrix3d rotation_from_degrees(const Vector3d& degrees);
-
 }  // namespace umax
