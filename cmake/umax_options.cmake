@@ -19,6 +19,9 @@ endif()
 add_library(umax_warnings INTERFACE)
 target_compile_options(umax_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(umax_warnings INTERFACE -Wno-restrict)  # false alarms on std::string, GCC bug 105651
+endif()
 if(UMAX_WARNINGS_AS_ERRORS)
   target_compile_options(umax_warnings INTERFACE -Werror)
 endif()

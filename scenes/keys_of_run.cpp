@@ -47,7 +47,11 @@ SceneSection solver_section() {
                                       {"warped", LimitJacobian::warped}}},
            UMAX_FIELD(jacobian), "derivative of the limits");
   keys.add("max_iterations", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(max_iterations),
-           "re-linearisations a step, at most");
+           "paper: re-linearisations a step, at most");
+  keys.add("max_newton_iterations", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(max_newton_iterations),
+           "exact: factorisations after which the step is halved instead");
+  keys.add("max_halvings", IntegerKind{.low = 0, .high = 30}, UMAX_FIELD(max_halvings),
+           "exact: halvings of a step that does not converge, at most");
   keys.add("max_sweeps", IntegerKind{.low = 1, .high = 100000000}, UMAX_FIELD(max_sweeps),
            "Gauss-Seidel sweeps a re-linearisation, at most");
   keys.add("sweep_tolerance", NumberKind{units::ratio, {.low = 1e-15, .high = 1}}, UMAX_FIELD(sweep_tolerance),

@@ -76,8 +76,8 @@ void add_mesh_keys(Builder& keys, MeshOf mesh_of, BecomeMesh become_mesh, const 
   };
   keys.add("unit", LengthUnitKind(), part(&MeshSource::unit), "length of one unit of the mesh file",
            {.unset = "the file's own, else m", .belongs_to = "a mesh"});
-  keys.add("up", WordKind{{"x", "y", "z"}}, part(&MeshSource::up), "the mesh file's axis that points up",
-           {.unset = "the file's own, else \"y\"", .belongs_to = "a mesh"});
+  keys.add("up", WordKind{{"x", "y", "z", "-x", "-y", "-z"}}, part(&MeshSource::up),
+           "the mesh file's axis that points up", {.unset = "the file's own, else \"y\"", .belongs_to = "a mesh"});
 }
 
 /// Keys of the field `look`.

@@ -52,9 +52,10 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
 
 std::string nearest_key(std::string_view key, const std::vector<std::string>& known) {
   return smallest(known, [&](const std::string& candidate) {
-    const int whole = edit_distance(key, candidate);
-    const int last = edit_distance(last_part(key), last_part(candidate)) + 1;
-    return 2 * std::min(whole, last) + (whole < last ? 0 : 1);
+    // the last part alone counts for less than the whole
+    const int whole = 2 * edit_distance(key, candidate);
+    const int last = 2 * edit_distance(last_part(key), last_part(candidate)) + 3;
+    return std::min(whole, last);
   });
 }
 

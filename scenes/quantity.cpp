@@ -160,13 +160,15 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::string shortest(double value, bool single) {
-  std::array<char, 40> buffer;
-  if (value == 0) value = 0;  // -0 reads back as the integer 0
+template <class T>
+std::string shortest(T value) {
+  std::array<char, 64> buffer;
+  if (value == 0) value = 0;  // not "-0", which reads back as the integer 0
   char* const first = buffer.data();
   char* const last = first + buffer.size();
-  const auto result = single ? std::to_chars(first, last, float(value)) : std::to_chars(first, last, value);
-  return std::string(first, result.ptr);
+  const bool plain = value == 0 || (std::abs(value) >= T(1e-6) && std::abs(value) < T(1e15));
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  return std::string(first, std::to_chars(first, last, value, format).ptr);
 }
 
 }  // namespace
@@ -207,10 +209,10 @@ std::optional<double> parse_length_unit(std::string_view text) {
 }
 
 std::string number_text(double value) {
-  return shortest(value, false);
+  return shortest(value);
 }
 std::string number_text(float value) {
-  return shortest(double(value), true);
+  return shortest(value);
 }
 
 }  // namespace umax

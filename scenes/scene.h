@@ -23,7 +23,7 @@ struct ClipDescription {
 struct MeshSource {
   std::filesystem::path path;     // absolute once resolved
   std::optional<double> unit;     // [m] length of one file unit; unset: the file's own, else 1
-  std::optional<std::string> up;  // "x", "y", "z"; unset: the file's own, else "y"
+  std::optional<std::string> up;  // "x", "y", "z", or with a sign, "-z"; unset: the file's own, else "y"
   std::string sha256;             // of the file, filled when the scene is read
   std::string from;               // where the file is had, for the message when it is missing
 };

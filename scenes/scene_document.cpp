@@ -43,7 +43,20 @@ Error unknown_key_error(const SourcePlace& place, const SceneSection& section, c
       {.where = where_text(place, full_name), .what = "unknown key", .remedy = "did you mean " + suggestion + "?"});
 }
 
-Error unknown_section_error(const SourcePlace& place, const std::string& name) {
+// In a file an unknown table is reported by the first key in it, which tells more of what was meant.
+Error unknown_key_error(const SceneValue& value, const SceneSection& section, const std::string& thing,
+                        std::string name) {
+  const SceneValue* innermost = &value;
+  while (const auto* table = innermost->as<SceneValue::Table>()) {
+    if (table->empty()) break;
+    name += "." + table->front().first;
+    innermost = &table->front().second;
+  }
+  return unknown_key_error(innermost->place, section, thing, name);
+}
+
+Error unknown_section_error(const SourcePlace& place, const std::string& full_name) {
+  const std::string name = full_name.substr(0, full_name.find('.'));
   std::vector<std::string> known;
   for (const SceneSection& section : scene_sections())
     if (section.name.empty())
@@ -55,8 +68,19 @@ Error unknown_section_error(const SourcePlace& place, const std::string& name) {
   if (section) suggestion = section->named ? "[" + suggestion + ".NAME]" : "[" + suggestion + "]";
   for (const SceneSection& other : scene_sections())
     if (other.find(name)) suggestion = other.key_prefix("NAME") + name;
-  return Error(ExitCode::bad_data,
-               {.where = where_text(place, name), .what = "unknown key", .remedy = "did you mean " + suggestion + "?"});
+  return Error(
+      ExitCode::bad_data,
+      {.where = where_text(place, full_name), .what = "unknown key", .remedy = "did you mean " + suggestion + "?"});
+}
+
+Error table_key_error(const SourcePlace& place, const SceneSection& section, const std::string& full_name,
+                      const std::string& name) {
+  std::vector<std::string> inside;
+  for (const SceneKey& key : section.keys)
+    if (key.name.compare(0, name.size() + 1, name + ".") == 0) inside.push_back(key.name.substr(name.size() + 1));
+  return Error(ExitCode::bad_data, {.where = where_text(place, full_name),
+                                    .what = "is a table of keys, not a value",
+                                    .remedy = "its keys are " + list_text(inside)});
 }
 
 // Puts a table's entries where the table of keys wants them; `start` is the key so far, with its dot.
@@ -70,16 +94,10 @@ void sort_entries(const SceneSection& section, const std::string& thing, const s
       set_key(entry, full_name);
     } else if (is_prefix(section, name)) {
       const auto* inner = value.as<SceneValue::Table>();
-      if (!inner) {
-        SceneValue named = value;
-        named.key = full_name;
-        throw value_error(named, "is a table of keys, not a value",
-                          "write for example " + full_name + "." +
-                              nearest_key(name, section.key_names()).substr(name.size() + 1) + " = …");
-      }
+      if (!inner) throw table_key_error(value.place, section, full_name, name);
       sort_entries(section, thing, name + ".", *inner, into);
     } else {
-      throw unknown_key_error(value.place, section, thing, name);
+      throw unknown_key_error(value, section, thing, name);
     }
   }
 }
@@ -228,6 +246,8 @@ void apply_overrides(SceneDocument& document, const std::vector<Override>& overr
   for (const Override& override : overrides) {
     const Target target = find_target(override, place);
     const SceneKey* key = target.section->find(target.name);
+    if (!key && is_prefix(*target.section, target.name))
+      throw table_key_error(place, *target.section, override.key, target.name);
     if (!key) throw unknown_key_error(place, *target.section, target.thing, target.name);
     targets.emplace_back(target, key);
   }

@@ -46,8 +46,9 @@ std::string range_problem(const Range& range, const Unit& unit) {
 
 double read_number(const SceneValue& value, const Unit& unit, const Range& range) {
   const double number = read_quantity(value, unit).value;
-  if (!range.contains(number)) throw value_error(value, range_problem(range, unit), unit_remedy(unit));
-  return number;
+  if (range.contains(number)) return number;
+  const bool is_ratio = unit.symbol[0] == '\0';
+  throw value_error(value, range_problem(range, unit), is_ratio ? "give a number " + range.text() : unit_remedy(unit));
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -89,6 +90,14 @@ bool Range::contains(double value) const {
   return (low_open ? value > low : value >= low) && (high_open ? value < high : value <= high);
 }
 
+std::string Range::table_text() const {
+  constexpr double sanity = 1e5;
+  Range shown = *this;
+  if (low <= -sanity) shown.low = any_number.low;
+  if (high >= sanity) shown.high = any_number.high;
+  return shown.text();
+}
+
 std::string Range::text() const {
   const bool has_low = std::isfinite(low), has_high = std::isfinite(high);
   if (!has_low && !has_high) return "";
@@ -104,7 +113,7 @@ double NumberKind::read(const SceneValue& value) const {
 
 std::string NumberKind::type() const {
   const std::string symbol = unit.symbol[0] == '\0' ? "number" : fmt::format("number [{}]", unit.symbol);
-  return range.text().empty() ? symbol : symbol + ", " + range.text();
+  return range.table_text().empty() ? symbol : symbol + ", " + range.table_text();
 }
 
 double StretchKind::read(const SceneValue& value) const {
@@ -186,7 +195,7 @@ std::string VectorKind::write(const Vector3d& vector) const {
 
 std::string VectorKind::type() const {
   const std::string symbol = unit.symbol[0] == '\0' ? "[x, y, z]" : fmt::format("[x, y, z] [{}]", unit.symbol);
-  return range.text().empty() ? symbol : symbol + ", each " + range.text();
+  return range.table_text().empty() ? symbol : symbol + ", each " + range.table_text();
 }
 
 std::pair<int, int> SizeKind::read(const SceneValue& value) const {

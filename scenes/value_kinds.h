@@ -25,7 +25,8 @@ struct Range {
   bool low_open = false, high_open = false;
 
   bool contains(double value) const;
-  std::string text() const;  // "> 0", "0 … 1", "" if everything is allowed
+  std::string text() const;        // "> 0", "0 … 1", "" if everything is allowed
+  std::string table_text() const;  // without bounds that only keep absurd numbers out
 };
 inline constexpr Range any_number{};
 inline constexpr Range positive{.low = 0, .low_open = true};
