@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
+#include <map>
 #include <string_view>
 
 #include "core/error.h"
@@ -31,6 +33,14 @@ bool contains_word(std::string_view words, std::string_view word) {
 
 [[noreturn]] void usage_error(const std::string& what, const std::string& remedy) {
   throw Error(ExitCode::usage, {"", what, "", remedy});
+}
+
+/// Checker of CLI11: what is wrong with the text, or nothing.
+std::string is_size(const std::string& text) {
+  int width = 0, height = 0, end = 0;
+  const int found = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end);
+  if (found == 2 && std::size_t(end) == text.size() && width > 0 && height > 0) return "";
+  return "\"" + text + "\" is no size; write it as 1280x720";
 }
 
 /// The grammar: one set of options for all verbs, so that they may stand anywhere on the line.
@@ -105,7 +115,7 @@ class Grammar {
     add("--engine", "ENGINE", o.engine, pictures, "embree (path tracer) or osmesa (rasteriser)")
         ->check(CLI::IsMember({"embree", "osmesa"}));
     add("--samples", "N", o.samples, pictures, "paths per pixel of the path tracer")->check(CLI::Range(1, 1'000'000));
-    add("--size", "WxH", o.size, pictures, "size of the pictures in pixels, as in 1280x720");
+    add("--size", "WxH", o.size, pictures, "size of the pictures in pixels, as in 1280x720")->check(is_size, "WxH");
     add("--seed", "N", o.seed, pictures, "seed of the path tracer's noise")->check(CLI::Range(0LL, 4294967295LL));
     add("--still", "FRAME", o.still, "turntable", "the frame of the run that is circled (default: the last)")
         ->check(CLI::PositiveNumber);

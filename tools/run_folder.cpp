@@ -142,6 +142,10 @@ void RunFolder::remove_pictures() const {
   fs::remove(clip(), error);
 }
 
+void create_folder(const fs::path& path) {
+  make_folder(path);
+}
+
 bool is_run_folder(const fs::path& path) {
   std::error_code error;
   return fs::exists(path / lock_name, error) || read_run_record(path / "run.json").has_value();

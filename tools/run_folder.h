@@ -45,6 +45,9 @@ class RunFolder {
   int lock_ = -1;
 };
 
+/// Makes a folder inside a run's, if it is not there. Throws Error (cannot_create).
+void create_folder(const std::filesystem::path& path);
+
 /// Whether a run of this program made the folder.
 bool is_run_folder(const std::filesystem::path& path);
 

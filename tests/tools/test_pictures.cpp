@@ -1,0 +1,112 @@
+// From a scene to pictures and a clip, by the built program.
+#include "tests/support/catch.h"
+#include "tests/tools/error_code_of.h"
+#include "tests/tools/program.h"
+#include "tools/clip.h"
+
+using namespace umax;
+namespace fs = std::filesystem;
+
+namespace {
+
+const Words four_frames{"--set", "clip.frames=4"};
+
+std::map<std::string, std::string> pictures_of(const fs::path& run) {
+  std::map<std::string, std::string> pictures;
+  for (const auto& entry : fs::directory_iterator(run / "frames"))
+    pictures[entry.path().filename().string()] = file_text(entry.path());
+  return pictures;
+}
+
+}  // namespace
+
+TEST_CASE("a whole run ends in a clip with as many frames as pictures, by either engine") {
+  const TemporaryFolder folder;
+  const std::string engine = GENERATE("embree", "osmesa");
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  const ProcessResult result =
+      umax_program(Words{"run", scene.string(), "-o", run.string(), "--engine", engine} + four_frames);
+  INFO(result.messages);
+  REQUIRE(result.exit_code == 0);
+  CHECK(pictures_of(run).size() == 4);
+  const ProcessResult count =
+      run_process({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                   "stream=nb_read_frames,pix_fmt,codec_name", "-of", "csv=p=0", (run / "clip.mp4").string()});
+  CHECK(count.output == "h264,yuv420p,4\n");
+  CHECK(!has_half_written_files(run));
+}
+
+TEST_CASE("rendering again and with other threads gives the same pictures and clip") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string(), "--threads", "1"} + four_frames) == 0);
+  const auto before = pictures_of(run);
+  const std::string clip = file_text(run / "clip.mp4");
+  CHECK(exit_code_of({"render", run.string()}) == 73);
+  REQUIRE(exit_code_of({"render", run.string(), "--overwrite", "--threads", "2"}) == 0);
+  CHECK(pictures_of(run) == before);
+  CHECK(file_text(run / "clip.mp4") == clip);
+  fs::remove(run / "frames/0003.png");
+  REQUIRE(exit_code_of({"render", run.string(), "--resume"}) == 0);
+  CHECK(pictures_of(run) == before);
+}
+
+TEST_CASE("compare tells equal pictures from different ones") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string()} + four_frames) == 0);
+  REQUIRE(exit_code_of({"render", run.string(), "-o", (folder / "red").string(), "--set",
+                        "body.block.look.color=[0.9, 0, 0]"}) == 0);
+  const std::string a = (run / "frames/0001.png").string(), b = (folder / "red/frames/0001.png").string();
+  CHECK(exit_code_of({"compare", a, a}) == 0);
+  CHECK(exit_code_of({"compare", a, b}) == 1);
+  CHECK(exit_code_of({"compare", a, b, "--max-flip", "1"}) == 0);
+  CHECK(exit_code_of({"compare", run.string(), (folder / "red").string()}) == 1);
+  CHECK(exit_code_of({"compare", run.string(), run.string()}) == 0);
+  CHECK(exit_code_of({"compare", a, run.string()}) == 2);
+  fs::remove(folder / "red/frames/0002.png");
+  CHECK(exit_code_of({"compare", run.string(), (folder / "red").string()}) == 66);
+}
+
+TEST_CASE("pictures of other settings are made anew when a run goes on") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string()} + four_frames) == 0);
+  const auto before = pictures_of(run);
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string(), "--resume", "--set", "render.exposure=1"} +
+                       four_frames) == 0);
+  CHECK(pictures_of(run) != before);
+}
+
+TEST_CASE("a turntable needs no states, and goes round a chosen one") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  REQUIRE(exit_code_of(Words{"turntable", scene.string(), "-o", (folder / "scene").string()} + four_frames) == 0);
+  CHECK(pictures_of(folder / "scene").size() == 4);
+  REQUIRE(exit_code_of(Words{"simulate", scene.string(), "-o", run.string()} + four_frames) == 0);
+  REQUIRE(exit_code_of(Words{"turntable", run.string(), "-o", (folder / "still").string(), "--still", "3"} +
+                       four_frames) == 0);
+  CHECK(pictures_of(folder / "still") != pictures_of(folder / "scene"));
+  CHECK(exit_code_of(Words{"turntable", run.string(), "-o", (folder / "none").string(), "--still", "99"} +
+                     four_frames) == 66);
+}
+
+TEST_CASE("damaged pictures are not encoded") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string()} + four_frames) == 0);
+  const fs::path picture = run / "frames/0002.png";
+  const std::string bytes = file_text(picture);
+  CHECK(error_code_of([&] { check_png(picture, 32, 18); }) == 0);
+  CHECK(error_code_of([&] { check_png(picture, 64, 18); }) == 65);
+  make_file(picture, bytes.substr(0, bytes.size() / 2));
+  CHECK(error_code_of([&] { check_png(picture, 32, 18); }) == 65);
+  std::string damaged = bytes;
+  damaged[damaged.size() / 2] = char(damaged[damaged.size() / 2] ^ 1);
+  make_file(picture, damaged);
+  CHECK(error_code_of([&] {
+          encode_clip(folder / "clip.mp4", {run / "frames/0001.png", picture}, {.fps = 60, .width = 32, .height = 18});
+        }) == 65);
+  CHECK(!fs::exists(folder / "clip.mp4"));
+  CHECK(!has_half_written_files(folder.path()));
+}

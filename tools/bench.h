@@ -1,0 +1,38 @@
+// Rows of tools/bench: one measured figure each, beside what was asked for.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace umax {
+
+struct BenchRow {
+  std::string what;      // "armadillo, exact: active-step mean"
+  std::string measured;  // "3.1 ms"
+  std::string target;    // "<= 15 ms (aim 5)"; empty: told for the reader
+  bool met = true;
+};
+
+using BenchRows = std::vector<BenchRow>;
+
+/// A group of rows that one set-up yields; `--only NAME` runs it alone.
+struct Benchmark {
+  std::string name;
+  bool slow = false;          // runs with --full, or when named
+  bool needs_models = false;  // skipped with a line unless UMAX_MODELS names a folder
+  std::function<BenchRows()> run;
+};
+
+std::vector<Benchmark> simulation_benchmarks();  // bench_simulation.cpp
+std::vector<Benchmark> program_benchmarks();     // bench_program.cpp: the built program, from outside
+std::vector<Benchmark> picture_benchmarks();     // bench_pictures.cpp
+
+/// The file in UMAX_MODELS.
+std::string model_path(const std::string& name);
+
+/// Row whose value must not exceed the limit.
+BenchRow at_most(const std::string& what, double value, double limit, const std::string& unit,
+                 const std::string& remark = "");
+
+}  // namespace umax

@@ -1,0 +1,128 @@
+// Figures of the program as a whole: run from outside, in folders of its own, peak memory from the system's accounts.
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+#include "render/flip.h"
+#include "render/image_io.h"
+#include "tools/bench.h"
+
+namespace umax {
+namespace {
+
+struct Outcome {
+  double seconds = 0;
+  double peak_gib = 0;
+};
+
+// a folder that goes with the benchmark
+struct ScratchFolder {
+  std::filesystem::path path;
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "umax-bench-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("no scratch folder in " + name);
+    path = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+// runs a command with its output thrown away; throws if it fails
+Outcome run(const std::vector<std::string>& command) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!freopen("/dev/null", "w", stdout)) _exit(127);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+  }
+  int status = 0;
+  rusage usage{};
+  if (child < 0 || wait4(child, &status, 0, &usage) != child) throw std::runtime_error("cannot run " + command[0]);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw std::runtime_error(fmt::format("{} ended with status {}", command[0], status));
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+          double(usage.ru_maxrss) / (1024.0 * 1024.0)};
+}
+
+std::string program() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "umax").string();
+}
+
+BenchRows demo() {
+  const ScratchFolder scratch;
+  const Outcome outcome = run({program(), "run", "figure", "-o", scratch.path / "demo", "--quiet"});
+  return {at_most("figure: the demo's clip, 640x360", outcome.seconds / 60, 5, "min",
+                  fmt::format("peak {:.2f} GiB", outcome.peak_gib))};
+}
+
+// the filtered frame against one with so many samples that filtering is idle
+BenchRows noise() {
+  const ScratchFolder scratch;
+  run({program(), "simulate", "figure", "-o", scratch.path / "demo", "--frames", "1-60", "--quiet"});
+  run({program(), "render", scratch.path / "demo", "--frames", "60", "--quiet"});
+  const Image few = read_image(scratch.path / "demo/frames/0060.png");
+  run({program(), "render", scratch.path / "demo", "--frames", "60", "--samples", "1024", "--overwrite", "--quiet"});
+  const Image many = read_image(scratch.path / "demo/frames/0060.png");
+  return {at_most("demo's frame 60 against 1024 samples: mean FLIP", flip(many, few).mean, 0.08, "")};
+}
+
+BenchRows armadillo_memory() {
+  const ScratchFolder scratch;
+  const Outcome outcome =
+      run({program(), "run", "armadillo", "--set", "body.armadillo.mesh=" + model_path("armadillo.obj"), "--size",
+           "1280x720", "--samples", "4", "--frames", "1-4", "-o", scratch.path / "clip", "--quiet"});
+  return {at_most("armadillo clip at 1280x720: peak memory", outcome.peak_gib, 1, "GiB")};
+}
+
+BenchRows large_beam() {
+  const ScratchFolder scratch;
+  const Outcome outcome = run({program(), "simulate", "beam", "--set", "body.beam.cage.cells=[226,21,21]", "--set",
+                               "body.beam.limit.kind=none", "--frames", "1-2", "-o", scratch.path / "beam", "--quiet"});
+  return {at_most("beam, 99,666 hexes, no limits: peak memory", outcome.peak_gib, 8, "GiB",
+                  fmt::format("one step and set-up in {:.0f} s", outcome.seconds))};
+}
+
+BenchRows ten_thousand() {
+  const ScratchFolder scratch;
+  const Outcome outcome = run({program(), "simulate", "figure", "--set", "body.figure.cage.cells=10000", "--frames",
+                               "1-3", "-o", scratch.path / "figure", "--quiet"});
+  return {at_most("figure, 10 k hexes: peak memory", outcome.peak_gib, 1, "GiB")};
+}
+
+// a build from nothing; the source folder is told by tools/bench
+BenchRows clean_build() {
+  const char* source = std::getenv("UMAX_SOURCE");
+  if (!source) throw std::runtime_error("run this one through tools/bench");
+  const ScratchFolder scratch;
+  run({"cmake", "-S", source, "-B", scratch.path, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+       "-DUMAX_ARCH=x86-64-v3"});
+  const Outcome outcome = run({"cmake", "--build", scratch.path, "--parallel", "2"});
+  return {at_most("clean build of everything, 2 jobs", outcome.seconds / 60, 6, "min")};
+}
+
+}  // namespace
+
+std::vector<Benchmark> program_benchmarks() {
+  return {
+      {"memory", false, true, armadillo_memory},
+      {"10k", false, false, ten_thousand},
+      {"100k", false, false, large_beam},
+      {"demo", false, false, demo},
+      {"noise", true, false, noise},
+      {"build", true, false, clean_build},
+  };
+}
+
+}  // namespace umax

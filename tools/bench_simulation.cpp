@@ -1,0 +1,184 @@
+// Figures of the simulation, measured in this process on the built-in scenes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "embedding/shapes.h"
+#include "scenes/scene_file.h"
+#include "tools/bench.h"
+#include "tools/simulation_setup.h"
+
+namespace umax {
+namespace {
+
+// what a run of steps cost and reached
+struct RunFigures {
+  std::vector<double> ms;         // every step
+  std::vector<double> active_ms;  // steps with a contact or an active limit
+  double max_ratio = 0;
+  double max_penetration = 0;  // [cells]
+  double factorisations = 0;   // per active step
+  int max_contacts = 0, last_contacts = 0, max_active_limits = 0;
+  int not_converged = 0, retried = 0;
+};
+
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+double percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0 : values[std::size_t(share * double(values.size() - 1))];
+}
+
+Simulation prepare(const std::string& scene, const std::vector<std::string>& settings) {
+  std::vector<Override> overrides;
+  for (const std::string& setting : settings) overrides.push_back(parse_override(setting));
+  return set_up(load_scene(scene, overrides));
+}
+
+RunFigures run(const Simulation& simulation, int steps) {
+  RunFigures figures;
+  Workspace workspace(simulation.model);
+  State state = rest_state(simulation.model);
+  for (int i = 0; i < steps; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const StepReport report = step(simulation.model, simulation.options, workspace, state);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    figures.ms.push_back(ms);
+    if (report.contacts > 0 || report.limits_active > 0) {
+      figures.active_ms.push_back(ms);
+      figures.factorisations += report.factorisations;
+    }
+    figures.max_ratio = std::max(figures.max_ratio, report.max_energy_ratio);
+    figures.max_penetration =
+        std::max(figures.max_penetration, report.max_penetration / simulation.model.bodies.front().cell_size);
+    figures.max_contacts = std::max(figures.max_contacts, report.contacts);
+    figures.max_active_limits = std::max(figures.max_active_limits, report.limits_active);
+    figures.last_contacts = report.contacts;
+    figures.not_converged += report.status != StepStatus::converged;
+    figures.retried += report.retries > 0;
+  }
+  figures.factorisations /= double(std::max<std::size_t>(1, figures.active_ms.size()));
+  return figures;
+}
+
+void append_limits(const std::string& what, const RunFigures& figures, double tolerance, BenchRows& rows) {
+  rows.push_back(at_most(what + ": max U/U_max", figures.max_ratio, 1 + tolerance, "",
+                         fmt::format("{} of {} steps not converged, {} retried", figures.not_converged,
+                                     figures.ms.size(), figures.retried)));
+  rows.push_back(at_most(what + ": deepest vertex", figures.max_penetration, 1e-3, "cells"));
+}
+
+BenchRow timing(const std::string& what, const RunFigures& figures, double limit, const std::string& aim) {
+  BenchRow row = at_most(what + ": active-step mean", mean(figures.active_ms), limit, "ms",
+                         fmt::format("all {:.2f}, 95 % {:.2f}, {:.1f} factors", mean(figures.ms),
+                                     percentile(figures.ms, 0.95), figures.factorisations));
+  row.target += " (aim " + aim + ")";
+  return row;
+}
+
+BenchRows armadillo(const std::string& what, std::vector<std::string> settings, double limit, const std::string& aim,
+                    double tolerance) {
+  settings.push_back("body.armadillo.mesh=" + model_path("armadillo.obj"));
+  const Simulation simulation = prepare("armadillo", settings);
+  const RunFigures figures = run(simulation, 249);
+  BenchRows rows{timing(what, figures, limit, aim)};
+  append_limits(what, figures, tolerance, rows);
+  return rows;
+}
+
+// how hard and deep the limits are held when the fall is higher and the limits are lower
+BenchRows armadillo_limits() {
+  BenchRows rows;
+  for (const char* energy : {"100 J", "20 J", "5 J"}) {
+    const Simulation simulation =
+        prepare("armadillo", {"body.armadillo.mesh=" + model_path("armadillo.obj"), "body.armadillo.drop_height=2m",
+                              std::string("body.armadillo.limit.energy=") + energy});
+    const RunFigures figures = run(simulation, 249);
+    append_limits(fmt::format("armadillo from 2 m, {}", energy), figures, 1e-3, rows);
+    rows.push_back(at_most(
+        fmt::format("armadillo from 2 m, {}: steps retried", energy), 100.0 * figures.retried / 249, 1, "%",
+        fmt::format("{:.2f} ms an active step, up to {} limits", mean(figures.active_ms), figures.max_active_limits)));
+  }
+  return rows;
+}
+
+BenchRows flat_figure() {
+  const Simulation simulation = prepare("figure", {"body.figure.rotation=[-90,0,0]", "body.figure.drop_height=0.02",
+                                                   "body.figure.material.damping_mass=2"});
+  const RunFigures figures = run(simulation, 180);
+  const std::string what = "figure flat on its back";
+  return {at_most(what + ": contacts solved, settled", figures.last_contacts, 60, "",
+                  fmt::format("{} at most during the fall", figures.max_contacts)),
+          at_most(what + ": deepest vertex", figures.max_penetration, 1e-3, "cells"),
+          {what + ": active-step mean", fmt::format("{:.2f} ms", mean(figures.active_ms)), "", true}};
+}
+
+BenchRows beam() {
+  const Simulation simulation = prepare("beam", {"body.beam.limit.energy=0.1J"});
+  const RunFigures figures = run(simulation, 200);
+  BenchRows rows{at_most("beam, 56 hexes, 0.1 J: active-step mean", mean(figures.active_ms), 1, "ms"),
+                 at_most("beam, 56 hexes, 0.1 J: factorisations", figures.factorisations, 4, "a step")};
+  append_limits("beam, 56 hexes, 0.1 J", figures, 1e-3, rows);
+  return rows;
+}
+
+// an impact with nearly every limit active, and the same fall without limits
+BenchRows crowded_sphere() {
+  const std::vector<std::string> impact{"body.sphere.cage.cells=[16,16,16]", "body.sphere.cage.clip=filled",
+                                        "body.sphere.material.young=50kPa",  "body.sphere.position=[0,1.02,0]",
+                                        "body.sphere.velocity=[0,-4.4,0]",   "clip.fps=100"};
+  std::vector<std::string> limited = impact, unlimited = impact;
+  limited.push_back("body.sphere.limit.density=200J/m^3");
+  unlimited.push_back("body.sphere.limit.kind=none");
+  const RunFigures with = run(prepare("sphere", limited), 12), without = run(prepare("sphere", unlimited), 12);
+  BenchRows rows{
+      at_most("sphere, 2.7 k hexes, 200 J/m3: contact step", mean(with.active_ms) / 1e3, 1, "s",
+              fmt::format("{} limits active at most", with.max_active_limits)),
+      at_most("sphere, 2.7 k hexes, 200 J/m3: factorisations", with.factorisations, 13, "a step"),
+      at_most("cost of limits: all active against none", mean(with.active_ms) / mean(without.active_ms), 5, "x")};
+  append_limits("sphere, 2.7 k hexes, 200 J/m3", with, 1e-3, rows);
+  return rows;
+}
+
+BenchRows deform_million() {
+  const TriangleMesh mesh = make_sphere(1, 8);
+  const Lattice lattice = voxelize(mesh, {.size = 365});
+  const Embedding embedding = embed(mesh, lattice);
+  TriangleMesh out = mesh;
+  std::vector<double> ms;
+  for (int i = 0; i < 7; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    deform(embedding, lattice.hexes, lattice.rest_positions, out);
+    ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
+  const double per_million = percentile(ms, 0.5) * 1e6 / double(mesh.num_vertices());
+  return {at_most("1 M vertices deformed, positions and normals", per_million, 20, "ms",
+                  fmt::format("measured on {} vertices", mesh.num_vertices()))};
+}
+
+}  // namespace
+
+std::vector<Benchmark> simulation_benchmarks() {
+  return {
+      {"armadillo", false, true, [] { return armadillo("armadillo, exact", {}, 15, "5", 1e-3); }},
+      {"armadillo-free", false, true,
+       [] { return armadillo("armadillo without limits", {"body.armadillo.limit.kind=none"}, 8, "3", 1e-3); }},
+      {"armadillo-paper", false, true,
+       [] {
+         return armadillo("armadillo, method paper, 1e-2", {"solver.method=paper", "solver.tolerance=1e-2"}, 15, "8",
+                          1e-2);
+       }},
+      {"armadillo-limits", false, true, armadillo_limits},
+      {"flat", false, false, flat_figure},
+      {"beam", false, false, beam},
+      {"crowded", false, false, crowded_sphere},
+      {"deform", false, false, deform_million},
+  };
+}
+
+}  // namespace umax

@@ -1,0 +1,202 @@
+#include "tools/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.h"
+#include "render/write_file.h"
+#include "scenes/resolved_scene.h"
+#include "scenes/scene_file.h"
+#include "scenes/sha256.h"
+#include "tools/clip.h"
+#include "tools/frame_list.h"
+#include "tools/signals.h"
+#include "tools/simulate.h"
+#include "tools/threads.h"
+
+namespace umax {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// run.json while the job runs: written at the start, after every stage and at the end.
+class RecordKeeper {
+ public:
+  RecordKeeper(const RunFolder& folder, const Job& job, const Options& options, const std::string& scene_text,
+               const Digest& model, int threads)
+      : path_(folder.record()), record_(read_run_record(folder.record()).value_or(RunRecord{})) {
+    record_.version = version_text();
+    record_.verb = options.verb;
+    record_.scene = job.scene.name;
+    record_.scene_sha256 = sha256_hex(scene_text);
+    record_.model_sha256 = model;
+    record_.host = host_description();
+    record_.threads = threads;
+    record_.exit_status.reset();
+    write();
+  }
+  RunRecord& record() { return record_; }
+  void write() {
+    record_.peak_memory = std::max(record_.peak_memory, peak_memory());
+    write_run_record(path_, record_);
+  }
+  int finish(int exit_status) {
+    record_.exit_status = exit_status;
+    write();
+    return exit_status;
+  }
+  void finish_after_error(int exit_status) {
+    try {
+      finish(exit_status);
+    } catch (const Error&) {
+      // the disk that refuses this refused something before: that is what the user is told
+    }
+  }
+
+ private:
+  std::filesystem::path path_;
+  RunRecord record_;
+};
+
+/// What the folder is needed for, checked as long as nothing has been written.
+void check_before_start(const Job& job) {
+  check_run_folder(job.folder, job.existing);
+  if (!job.pictures) return;
+  require_even_size(job.scene.render.width, job.scene.render.height);
+  require_clip_encoder();
+}
+
+/// Simulates; returns the signal that stopped it, or 0.
+int simulate_stage(const Simulation& simulation, const RunFolder& folder, const Options& options, int last_frame,
+                   RecordKeeper& keeper, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const SimulateResult result = simulate(
+      simulation, folder, {.last_frame = last_frame, .strict = options.strict, .verbose = options.verbose}, progress);
+  RunRecord& record = keeper.record();
+  record.simulate_seconds += seconds_since(start);
+  record.frames = result.frames;
+  record.steps = result.steps;
+  record.steps_not_converged = result.steps_not_converged;
+  keeper.write();
+  return result.signal;
+}
+
+/// Renders and encodes; returns the signal that stopped it, or 0.
+int picture_stage(const RunPictures& pictures, const Job& job, const RunFolder& folder, int threads,
+                  RecordKeeper& keeper, Progress& progress) {
+  RunRecord& record = keeper.record();
+  const bool is_stale = !record.pictures_sha256.empty() && record.pictures_sha256 != pictures.digest;
+  if (is_stale) {
+    progress.note("the pictures that are there were made with other settings: they are made anew");
+    folder.remove_pictures();
+  }
+  record.pictures_sha256 = pictures.digest;
+  keeper.write();
+
+  auto start = std::chrono::steady_clock::now();
+  const RenderResult result = render_pictures(pictures.list, job.scene.render, threads, folder, progress);
+  record.render_seconds += seconds_since(start);
+  keeper.write();
+  if (result.signal != 0) return result.signal;
+
+  start = std::chrono::steady_clock::now();
+  encode_pictures(folder, pictures.list.frames, job.scene, progress);
+  record.encode_seconds += seconds_since(start);
+  return 0;
+}
+
+int do_stages(const Job& job, const Options& options, const Simulation& simulation, const std::vector<int>& frames,
+              const RunFolder& folder, int threads, RecordKeeper& keeper, Progress& progress) {
+  const SignalWatch watch;
+  int signal = 0;
+  if (job.simulate) signal = simulate_stage(simulation, folder, options, frames.back(), keeper, progress);
+  if (job.pictures && signal == 0) {
+    const RunPictures pictures =
+        job.make_pictures ? job.make_pictures(simulation, frames) : pictures_of_run(simulation, folder.path(), frames);
+    signal = picture_stage(pictures, job, folder, threads, keeper, progress);
+  }
+  if (signal != 0)
+    progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+/// States of another scene are not to be mixed with this one's.
+void require_same_run(const RunFolder& folder, const Simulation& simulation) {
+  const auto record = read_run_record(folder.record());
+  if (!record || record->model_sha256 == simulation.digest || count_states(folder.path()) == 0) return;
+  throw Error(ExitCode::bad_data, {.where = folder.path().string(),
+                                   .what = "holds the states of another scene, mesh or solver setting",
+                                   .remedy = "choose another folder with -o, or replace it with --overwrite"});
+}
+
+/// Keeps the exit code in run.json; a full disk before the first output means that it cannot be created, later that a
+/// write failed.
+[[noreturn]] void end_with(const Error& error, const RunFolder& folder, RecordKeeper& keeper) {
+  const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames());
+  const ExitCode code =
+      error.exit_code() == ExitCode::cannot_create && is_late ? ExitCode::io_error : error.exit_code();
+  keeper.finish_after_error(int(code));
+  throw Error(code, error.text());
+}
+
+}  // namespace
+
+int do_job(const Job& job, const Options& options) {
+  const ThreadLimit threads(options.threads);
+  Progress progress(stdout, options.progress, options.quiet);
+  check_before_start(job);
+  const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
+  const std::vector<int> frames =
+      options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
+
+  const Simulation simulation = set_up(job.scene);
+  for (const std::string& warning : simulation.warnings) progress.warning(warning);
+  for (const BodySetup& body : simulation.bodies)
+    progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
+                              body.lattice.num_hexes(), body.lattice.num_nodes()));
+
+  const RunFolder folder(job.folder, job.existing);
+  if (job.replace_pictures) folder.remove_pictures();
+  const std::string scene_text = resolved_toml(job.scene);
+  require_same_run(folder, simulation);
+  write_file(folder.scene(), scene_text);
+  RecordKeeper keeper(folder, job, options, scene_text, simulation.digest, threads.count());
+  try {
+    return keeper.finish(do_stages(job, options, simulation, frames, folder, threads.count(), keeper, progress));
+  } catch (const Error& error) {
+    end_with(error, folder, keeper);
+  }
+}
+
+std::vector<Override> scene_overrides(const Options& options) {
+  std::vector<Override> overrides;
+  if (options.quick) {
+    overrides.push_back({"render.size", "[320, 180]"});
+    overrides.push_back({"render.samples", "4"});
+  }
+  for (const std::string& setting : options.settings) overrides.push_back(parse_override(setting));
+  if (options.engine) overrides.push_back({"render.engine", *options.engine});
+  if (options.samples) overrides.push_back({"render.samples", std::to_string(*options.samples)});
+  if (options.size) overrides.push_back({"render.size", *options.size});
+  if (options.seed) overrides.push_back({"render.seed", std::to_string(*options.seed)});
+  return overrides;
+}
+
+std::string single_input(const Options& options, const std::string& what) {
+  if (options.inputs.size() == 1) return options.inputs.front();
+  throw Error(ExitCode::usage,
+              {.what = "umax " + options.verb + " takes one " + what, .remedy = "see umax help " + options.verb});
+}
+
+std::filesystem::path output_folder(const Options& options, const std::string& name) {
+  if (!options.output) return name;
+  if (options.output->empty())
+    throw Error(ExitCode::usage, {.where = "-o", .what = "is empty", .remedy = "name a folder"});
+  return *options.output;
+}
+
+}  // namespace umax

@@ -1,0 +1,63 @@
+#include "tools/painter.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "render/image_io.h"
+#include "render/path_trace.h"
+#include "render/rasterize.h"
+#include "render/tone_map.h"
+
+namespace umax {
+
+struct Painter::Engine {
+  std::optional<Rasterizer> rasterizer;
+  int threads = 0;
+};
+
+namespace {
+
+/// Colour first, then what a compositor wants.
+std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription& render) {
+  PathTraceOptions options;
+  options.width = render.width;
+  options.height = render.height;
+  options.samples = render.samples;
+  options.bounces = render.bounces;
+  options.seed = render.seed;
+  TracedImage traced = path_trace(shot, options);
+  std::vector<Layer> layers;
+  layers.push_back({"", std::move(traced.color)});
+  layers.push_back({"Albedo", std::move(traced.albedo)});
+  layers.push_back({"N", std::move(traced.normal)});
+  layers.push_back({"Z", std::move(traced.depth)});
+  layers.push_back({"variance", std::move(traced.variance)});
+  return layers;
+}
+
+}  // namespace
+
+Painter::Painter(const RenderDescription& render, int threads) : render_(render), engine_(std::make_unique<Engine>()) {
+  engine_->threads = threads;
+  if (render.engine == RenderEngine::osmesa) engine_->rasterizer.emplace(threads);
+}
+
+Painter::~Painter() = default;
+
+void Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
+  std::vector<Layer> layers;
+  if (render_.engine == RenderEngine::embree)
+    layers = trace_layers(shot, render_);
+  else
+    layers.push_back({"", engine_->rasterizer->draw(
+                              shot, {.width = render_.width, .height = render_.height, .threads = engine_->threads})});
+
+  if (render_.exr) {
+    std::filesystem::path exr = png;
+    write_exr(exr.replace_extension(".exr"), layers);
+  }
+  write_png(png, tone_map(layers.front().image, {.exposure_stops = float(render_.exposure_stops)}));
+}
+
+}  // namespace umax

@@ -1,0 +1,121 @@
+#include "tools/render_frames.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "core/error.h"
+#include "scenes/resolved_scene.h"
+#include "scenes/sha256.h"
+#include "tools/clip.h"
+#include "tools/frame_list.h"
+#include "tools/painter.h"
+#include "tools/signals.h"
+
+namespace umax {
+namespace {
+
+double aspect_of(const RenderDescription& render) {
+  return double(render.width) / render.height;
+}
+
+bool has_picture(const RunFolder& folder, int frame, bool exr) {
+  std::error_code error;
+  return std::filesystem::exists(folder.picture(frame), error) &&
+         (!exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
+}
+
+/// Box around the surface in all states that are there.
+Box motion_box(const Simulation& simulation, const std::filesystem::path& run) {
+  Box box;
+  const int count = std::min(count_states(run), simulation.last_frame());
+  for (int frame = 1; frame <= count; ++frame)
+    box.extend(box_of(simulation, read_state(state_path(run, frame), simulation.model, simulation.digest).positions));
+  return box;
+}
+
+/// Digest of the scene as it is drawn: how many frames there are does not matter.
+std::string picture_digest(const Simulation& simulation, const std::string& view) {
+  Scene scene = simulation.scene;
+  scene.clip.frames = 1;
+  return sha256_hex(resolved_toml(scene) + simulation.digest + view);
+}
+
+std::string camera_text(const Camera& camera) {
+  std::string text;
+  for (const Vector3f& vector : {camera.position, camera.target})
+    text += fmt::format("{} {} {} ", vector.x(), vector.y(), vector.z());
+  return text;
+}
+
+void require_states(const std::filesystem::path& run, const std::vector<int>& frames) {
+  for (const int frame : frames)
+    if (std::error_code error; !std::filesystem::exists(state_path(run, frame), error))
+      throw Error(ExitCode::not_found, {.where = state_path(run, frame).string(),
+                                        .what = "there is no state of this frame",
+                                        .remedy = "simulate it first, or name other frames with --frames"});
+}
+
+}  // namespace
+
+RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
+                            const std::vector<int>& frames) {
+  require_states(run, frames);
+  const Box box = motion_box(simulation, run);
+  const Camera camera = frame_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render));
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, box));
+  RunPictures pictures;
+  pictures.digest = picture_digest(simulation, "run " + camera_text(camera));
+  pictures.list.frames = frames;
+  pictures.list.shot = [&simulation, run, camera, stage](int frame) {
+    return make_shot(simulation, *stage, read_state(state_path(run, frame), simulation.model, simulation.digest),
+                     camera);
+  };
+  return pictures;
+}
+
+RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames) {
+  const Box box = box_of(simulation, state.positions);
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, box));
+  RunPictures pictures;
+  pictures.digest = picture_digest(simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()));
+  pictures.list.frames = frames;
+  pictures.list.shot = [&simulation, state, box, stage](int frame) {
+    const double turn = double(frame - 1) / simulation.last_frame();
+    return make_shot(simulation, *stage, state,
+                     turntable_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render), turn));
+  };
+  return pictures;
+}
+
+RenderResult render_pictures(const PictureList& list, const RenderDescription& render, int threads,
+                             const RunFolder& folder, Progress& progress) {
+  RenderResult result;
+  std::vector<int> missing;
+  for (const int frame : list.frames)
+    if (!has_picture(folder, frame, render.exr)) missing.push_back(frame);
+  result.pictures = int(list.frames.size() - missing.size());
+  if (missing.empty()) return result;
+
+  create_folder(folder.frames());
+  Painter painter(render, threads);
+  progress.begin("render", int(list.frames.size()), result.pictures);
+  for (const int frame : missing) {
+    if ((result.signal = stop_signal()) != 0) break;
+    painter.paint(list.shot(frame), folder.picture(frame));
+    ++result.pictures;
+    progress.frame_done(frame);
+  }
+  progress.end();
+  return result;
+}
+
+void encode_pictures(const RunFolder& folder, const std::vector<int>& frames, const Scene& scene, Progress& progress) {
+  std::vector<std::filesystem::path> pictures;
+  for (const int frame : frames) pictures.push_back(folder.picture(frame));
+  encode_clip(folder.clip(), pictures,
+              {.fps = scene.clip.fps, .width = scene.render.width, .height = scene.render.height});
+  progress.note(fmt::format("clip: {} ({} frames)", folder.clip().string(), frames.size()));
+}
+
+}  // namespace umax

@@ -1,0 +1,192 @@
+#include "tools/shot.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numbers>
+
+#include "embedding/shapes.h"
+#include "render/image_io.h"
+
+namespace umax {
+namespace {
+
+/// Corners of a hex's six faces, in an order around each face (local node order: core/hexahedron.h).
+constexpr std::array<std::array<int, 4>, 6> hex_faces{
+    {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
+
+/// Edges of the faces that belong to one hex only, each once.
+std::vector<std::pair<int, int>> outer_edges(const Hexes& hexes) {
+  std::map<std::array<int, 4>, std::pair<int, std::array<int, 4>>> faces;  // sorted corners: count, corners around
+  for (const auto& hex : hexes.rowwise())
+    for (const auto& face : hex_faces) {
+      const std::array<int, 4> around{hex[face[0]], hex[face[1]], hex[face[2]], hex[face[3]]};
+      std::array<int, 4> key = around;
+      std::sort(key.begin(), key.end());
+      auto& entry = faces[key];
+      ++entry.first;
+      entry.second = around;
+    }
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [key, entry] : faces)
+    for (std::size_t i = 0; entry.first == 1 && i < 4; ++i)
+      edges.push_back(std::minmax({entry.second[i], entry.second[(i + 1) % 4]}));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+Sky read_sky(const RenderDescription& render) {
+  if (const auto* map = std::get_if<EnvironmentMap>(&render.sky)) {
+    EnvironmentMap loaded = *map;
+    if (!loaded.image) loaded.image = std::make_shared<const Image>(read_image(render.sky_path));
+    return loaded;
+  }
+  return render.sky;
+}
+
+TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
+  TriangleMesh out = mesh;
+  out.positions = (mesh.positions * pose.rotation.transpose()).rowwise() + pose.translation.transpose();
+  if (mesh.normals.rows() > 0) out.normals = mesh.normals * pose.rotation.transpose();
+  return out;
+}
+
+/// U/U_max at every node (mean over its hexes), so that colours do not jump at the cage's faces.
+VectorXd node_ratios(const Model& model, const VectorXd& ratios) {
+  VectorXd sum = VectorXd::Zero(model.num_nodes()), count = sum;
+  for (Eigen::Index hex = 0; hex < model.num_hexes(); ++hex)
+    for (int i = 0; i < 8; ++i) {
+      sum[model.hexes(hex, i)] += ratios[hex];
+      count[model.hexes(hex, i)] += 1;
+    }
+  return sum.cwiseQuotient(count.cwiseMax(1));
+}
+
+/// Linear Rec. 709 colour of a value in [0, 1]: dark blue over green to yellow, red beyond.
+Vector3f map_color(double value) {
+  constexpr std::array<std::array<float, 3>, 5> stops{{{0.02f, 0.01f, 0.15f},
+                                                       {0.03f, 0.12f, 0.30f},
+                                                       {0.02f, 0.33f, 0.27f},
+                                                       {0.25f, 0.62f, 0.10f},
+                                                       {0.98f, 0.80f, 0.02f}}};
+  if (value > 1.01) return {0.9f, 0.02f, 0.02f};
+  const double place = std::clamp(value, 0.0, 1.0) * (stops.size() - 1);
+  const std::size_t low = std::min(std::size_t(place), stops.size() - 2);
+  const float share = float(place - double(low));
+  Vector3f color;
+  for (std::size_t c = 0; c < 3; ++c) color[Eigen::Index(c)] = stops[low][c] * (1 - share) + stops[low + 1][c] * share;
+  return color;
+}
+
+/// Heat-map colours of a body's vertices.
+Points heat_colors(const BodySetup& body, const VectorXd& ratios_at_nodes) {
+  const EmbeddedPoints& points = body.embedding.points;
+  Points colors(points.size(), 3);
+  for (Eigen::Index p = 0; p < points.size(); ++p) {
+    double ratio = 0;
+    for (int i = 0; i < 8; ++i)
+      ratio += points.weights(p, i) * ratios_at_nodes[body.first_node + body.lattice.hexes(points.hex[p], i)];
+    colors.row(p) = map_color(ratio).cast<double>().transpose();
+  }
+  return colors;
+}
+
+RenderObject draw_body(const Simulation& simulation, std::size_t index, const State& state, const VectorXd* ratios) {
+  const BodySetup& body = simulation.bodies[index];
+  auto mesh = std::make_shared<TriangleMesh>(body.shape.mesh);
+  deform(body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
+         *mesh);
+
+  RenderObject object{.name = body.name, .mesh = mesh, .look = simulation.scene.bodies[index].look};
+  object.look.texture = body.texture;
+  // a painted mesh keeps its paint unless the scene asks for a colour
+  object.look.vertex_colors = mesh->colors.rows() > 0 && object.look.base_color == Look().base_color;
+  if (ratios != nullptr) {
+    mesh->colors = heat_colors(body, *ratios);
+    object.look = Look();
+    object.look.roughness = 0.6f;
+    object.look.vertex_colors = true;
+  }
+  return object;
+}
+
+WireOverlay draw_cage(const Stage& stage, const Points& nodes) {
+  WireOverlay wires;
+  wires.segments.reserve(stage.cage_edges.size());
+  for (const auto& [a, b] : stage.cage_edges)
+    wires.segments.emplace_back(nodes.row(a).transpose().cast<float>(), nodes.row(b).transpose().cast<float>());
+  return wires;
+}
+
+void draw_obstacles(const Simulation& simulation, const Stage& stage, double time, RenderScene& shot) {
+  for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
+    const ObstacleDescription& description = simulation.scene.obstacles[i];
+    if (!description.visible) continue;
+    const Pose pose = pose_at(simulation.model.obstacles[i], time);
+    const TriangleMesh& shape = simulation.obstacles[i].mesh ? *simulation.obstacles[i].mesh : *stage.ground;
+    shot.objects.push_back(
+        {description.name, std::make_shared<const TriangleMesh>(moved(shape, pose)), description.look});
+  }
+}
+
+}  // namespace
+
+AreaLight area_light(const LightDescription& description) {
+  const Vector3d forward = (description.target - description.position).normalized();
+  const Vector3d helper = std::abs(forward.y()) < 0.99 ? Vector3d::UnitY() : Vector3d::UnitX();
+  // it shines on the side of cross(u, v): along forward
+  const Vector3d u = helper.cross(forward).normalized() * description.size;
+  const Vector3d v = forward.cross(u);
+  const double radiance = description.power / (std::numbers::pi * description.size * description.size);
+  AreaLight light;
+  light.corner = (description.position - 0.5 * u - 0.5 * v).cast<float>();
+  light.edge_u = u.cast<float>();
+  light.edge_v = v.cast<float>();
+  light.radiance = (radiance * description.color).cast<float>();
+  return light;
+}
+
+Box box_of(const Simulation& simulation, const Points& nodes) {
+  Box box;
+  for (const BodySetup& body : simulation.bodies) {
+    const Points points = deform_points(body.embedding.points, body.lattice.hexes,
+                                        nodes.middleRows(body.first_node, body.lattice.num_nodes()));
+    box.extend(Vector3d(points.colwise().minCoeff().transpose()));
+    box.extend(Vector3d(points.colwise().maxCoeff().transpose()));
+  }
+  return box;
+}
+
+Stage make_stage(const Simulation& simulation, const Box& box) {
+  Stage stage;
+  for (const LightDescription& light : simulation.scene.lights) stage.lights.push_back(area_light(light));
+  stage.sky = read_sky(simulation.scene.render);
+  stage.ground = std::make_shared<const TriangleMesh>(make_plane(60 * box.diagonal().norm()));
+  if (simulation.scene.render.wireframe) stage.cage_edges = outer_edges(simulation.model.hexes);
+  return stage;
+}
+
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera) {
+  const RenderDescription& render = simulation.scene.render;
+  RenderScene shot;
+  shot.lights = stage.lights;
+  shot.sky = stage.sky;
+  shot.backdrop = render.backdrop;
+  shot.camera = camera;
+  shot.exposure_stops = float(render.exposure_stops);
+
+  VectorXd ratios;
+  const bool heat = render.heatmap == Heatmap::energy;
+  if (heat) {
+    ratios = node_ratios(simulation.model, energy_ratios(simulation.model, simulation.options.solver, state));
+    shot.legend = Legend{.title = "U / U_max", .low = 0, .high = 1};
+  }
+  for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
+    shot.objects.push_back(draw_body(simulation, i, state, heat ? &ratios : nullptr));
+  draw_obstacles(simulation, stage, state.time, shot);
+  if (!stage.cage_edges.empty()) shot.wires = draw_cage(stage, state.positions);
+  return shot;
+}
+
+}  // namespace umax

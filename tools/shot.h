@@ -1,0 +1,34 @@
+// One picture's worth of a run: deformed bodies, obstacles, lights, sky and camera, as the renderers take it.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "render/render_scene.h"
+#include "tools/camera_framing.h"
+#include "tools/simulation_setup.h"
+
+namespace umax {
+
+/// What stays the same in all pictures of a run.
+struct Stage {
+  std::vector<AreaLight> lights;
+  Sky sky;
+  std::shared_ptr<const TriangleMesh> ground;   // square that half spaces are drawn as
+  std::vector<std::pair<int, int>> cage_edges;  // the cage's outer edges, nodes of the model
+};
+
+/// box: around the motion; the ground reaches far beyond it. Throws Error when the sky's picture cannot be read.
+Stage make_stage(const Simulation& simulation, const Box& box);
+
+/// Box around the bodies' surfaces.
+Box box_of(const Simulation& simulation, const Points& nodes);
+
+/// The renderers' scene at the state's time.
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera);
+
+/// The rectangle that a scene's light is.
+AreaLight area_light(const LightDescription& light);
+
+}  // namespace umax

@@ -1,0 +1,293 @@
+#include "tools/simulation_setup.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/error.h"
+#include "embedding/distance_grid.h"
+#include "embedding/figure.h"
+#include "embedding/mesh_io.h"
+#include "embedding/placement.h"
+#include "embedding/shapes.h"
+#include "render/image_io.h"
+
+namespace umax {
+namespace {
+
+/// Calls `work` and puts the thing's name in front of an error that it throws.
+template <class Work>
+auto named(const std::string& thing, Work work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    ErrorText text = error.text();
+    if (!text.where.starts_with(thing)) text.where = text.where.empty() ? thing : thing + ": " + text.where;
+    throw Error(error.exit_code(), text);
+  }
+}
+
+PlacedMesh read_shape(const MeshSource& source, Placement& placement) {
+  MeshFile file = load_mesh(source.path);
+  placement.unit = source.unit ? source.unit : file.unit;
+  placement.up = source.up ? source.up : file.up;
+  return {std::move(file.mesh), std::move(file.texture), std::move(file.notes), file.num_parts};
+}
+PlacedMesh read_shape(const BoxShape& box, Placement&) {
+  return {.mesh = make_box(box.size), .texture = {}, .notes = {}};
+}
+PlacedMesh read_shape(const SphereShape& sphere, Placement&) {
+  return {.mesh = make_sphere(sphere.radius), .texture = {}, .notes = {}};
+}
+PlacedMesh read_shape(const CylinderShape& cylinder, Placement&) {
+  return {.mesh = make_cylinder(cylinder.radius, cylinder.length), .texture = {}, .notes = {}};
+}
+PlacedMesh read_shape(const FigureShape&, Placement&) {
+  return {.mesh = make_figure(), .texture = {}, .notes = {}};
+}
+
+Vector3d lowest(const TriangleMesh& mesh) {
+  return mesh.positions.colwise().minCoeff().transpose();
+}
+Vector3d highest(const TriangleMesh& mesh) {
+  return mesh.positions.colwise().maxCoeff().transpose();
+}
+
+/// Moves the mesh up or down until its lowest point is drop_height above the highest obstacle below it.
+void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacles, TriangleMesh& mesh) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const Obstacle& obstacle : obstacles)
+    top = std::max(top, highest_point_below(obstacle, 0, lowest(mesh), highest(mesh)));
+  if (!std::isfinite(top))
+    throw Error(ExitCode::bad_data, {.where = "drop_height",
+                                     .what = "there is no obstacle below the body",
+                                     .value = fmt::format("{} m", drop_height),
+                                     .remedy = "add [obstacle.ground], or give position instead"});
+  mesh.positions.col(1).array() += top + drop_height - lowest(mesh).y();
+}
+
+std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattice& lattice) {
+  std::vector<int> nodes;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const std::size_t before = nodes.size();
+    for (int node = 0; node < int(lattice.num_nodes()); ++node) {
+      const auto position = lattice.rest_positions.row(node).transpose().array();
+      if ((position >= boxes[i].min.array()).all() && (position <= boxes[i].max.array()).all()) nodes.push_back(node);
+    }
+    if (nodes.size() > before) continue;
+    const Vector3d low = lattice.rest_positions.colwise().minCoeff(),
+                   high = lattice.rest_positions.colwise().maxCoeff();
+    throw Error(ExitCode::bad_data,
+                {.where = "fixed",
+                 .what = fmt::format("box {} holds no node of the cage", i + 1),
+                 .value = fmt::format("[{:g}, {:g}, {:g}] to [{:g}, {:g}, {:g}]", boxes[i].min.x(), boxes[i].min.y(),
+                                      boxes[i].min.z(), boxes[i].max.x(), boxes[i].max.y(), boxes[i].max.z()),
+                 .remedy = fmt::format("the cage reaches from [{:g}, {:g}, {:g}] to [{:g}, {:g}, {:g}] m", low.x(),
+                                       low.y(), low.z(), high.x(), high.y(), high.z())});
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+std::shared_ptr<const Image> read_texture(const BodyDescription& description, const PlacedMesh& shape,
+                                          std::vector<std::string>& warnings) {
+  const bool chosen = !description.texture_path.empty();
+  const std::filesystem::path& path = chosen ? description.texture_path : shape.texture;
+  std::error_code error;
+  if (path.empty()) return nullptr;
+  if (shape.mesh.texture_coordinates.rows() == 0) {
+    if (chosen)
+      warnings.push_back(
+          fmt::format("body.{}: the mesh has no texture coordinates; look.texture is not used", description.name));
+    return nullptr;
+  }
+  if (!chosen && !std::filesystem::exists(path, error)) {
+    warnings.push_back(fmt::format("body.{}: the mesh names the texture {}, which is not there; drawn without it",
+                                   description.name, path.string()));
+    return nullptr;
+  }
+  return std::make_shared<const Image>(read_image(path));
+}
+
+BodySetup cage_body(const BodyDescription& description, const std::vector<Obstacle>& obstacles) {
+  BodySetup setup{.name = description.name,
+                  .shape = place_body(description),
+                  .lattice = {},
+                  .cage = {},
+                  .embedding = {},
+                  .texture = {}};
+  named("body." + description.name, [&] {
+    if (description.drop_height) apply_drop_height(*description.drop_height, obstacles, setup.shape.mesh);
+    setup.lattice = voxelize(setup.shape.mesh, cage_options(description.cage), &setup.cage);
+    setup.embedding = embed(setup.shape.mesh, setup.lattice);
+    return 0;
+  });
+  return setup;
+}
+
+Body make_body(const BodyDescription& description, const BodySetup& setup, bool needs_distance) {
+  Body body;
+  body.name = description.name;
+  body.lattice = setup.lattice;
+  body.material = description.material;
+  body.limit = description.limit;
+  body.friction = description.friction;
+  body.velocity = description.velocity;
+  body.spin = description.spin_degrees * (EIGEN_PI / 180);
+  body.fixed_nodes =
+      named("body." + description.name, [&] { return nodes_in_boxes(description.fixed, setup.lattice); });
+  body.surface = setup.embedding.points;
+  body.surface_rest = setup.shape.mesh.positions;
+  if (needs_distance)
+    body.rest_distance = std::make_shared<const SampledDistance>(make_distance_grid(setup.shape.mesh));
+  return body;
+}
+
+bool has_edges(const Obstacle& obstacle) {
+  return std::holds_alternative<Block>(obstacle.shape) || std::holds_alternative<MeshShape>(obstacle.shape);
+}
+
+/// The probes in their bodies' lattices, with the model's hex numbers.
+EmbeddedPoints embed_probes(const Scene& scene, const std::vector<BodySetup>& bodies) {
+  EmbeddedPoints all;
+  const auto count = Eigen::Index(scene.probes.size());
+  all.hex.resize(count);
+  all.weights.resize(count, 8);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ProbeDescription& probe = scene.probes[std::size_t(i)];
+    const auto body =
+        std::find_if(bodies.begin(), bodies.end(), [&](const BodySetup& b) { return b.name == probe.body; });
+    named("probe." + probe.name, [&] {
+      if (body == bodies.end())
+        throw Error(ExitCode::bad_data, {.where = "body",
+                                         .what = "there is no such body",
+                                         .value = probe.body,
+                                         .remedy = "name a body of the scene"});
+      const EmbeddedPoints one = embed_points(Points(probe.point.transpose()), body->lattice, "probe");
+      all.hex[i] = one.hex[0] + int(body->first_hex);
+      all.weights.row(i) = one.weights.row(0);
+      return 0;
+    });
+  }
+  return all;
+}
+
+/// Says which bodies start inside an obstacle, and how deep.
+void warn_of_penetration(const Simulation& simulation, std::vector<std::string>& warnings) {
+  for (const BodySetup& body : simulation.bodies)
+    for (const Obstacle& obstacle : simulation.model.obstacles) {
+      const Pose pose = pose_at(obstacle, 0);
+      double deepest = 0;
+      for (const auto& point : body.shape.mesh.positions.rowwise())
+        deepest = std::min(deepest, signed_distance(obstacle.shape, pose.local(point.transpose())).distance);
+      if (deepest < -1e-6)
+        warnings.push_back(
+            fmt::format("body.{} starts {:.4g} m deep inside obstacle.{} and will be pushed out slowly; raise its "
+                        "position to avoid it",
+                        body.name, -deepest, obstacle.name));
+    }
+}
+
+}  // namespace
+
+PlacedMesh place_body(const BodyDescription& body) {
+  return named("body." + body.name, [&] {
+    Placement placement{.unit = {},
+                        .up = {},
+                        .height = body.height,
+                        .scale = body.scale,
+                        .rotation_degrees = body.rotation_degrees,
+                        .position = body.position};
+    PlacedMesh shape = std::visit([&](const auto& source) { return read_shape(source, placement); }, body.source);
+    place(shape.mesh, placement);
+    if (shape.mesh.normals.rows() == 0) compute_normals(shape.mesh);
+    return shape;
+  });
+}
+
+CageOptions cage_options(const CageDescription& cage) {
+  return {.size = cage.size, .whole_box = cage.clip == CageDescription::Clip::box};
+}
+
+Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup) {
+  Obstacle obstacle;
+  obstacle.name = description.name;
+  obstacle.friction = description.friction;
+  obstacle.position = description.position;
+  obstacle.rotation_degrees = description.rotation_degrees;
+  if (const auto* half_space = std::get_if<HalfSpace>(&description.shape)) {
+    obstacle.shape = *half_space;
+  } else if (const auto* ball = std::get_if<Ball>(&description.shape)) {
+    obstacle.shape = *ball;
+    setup.mesh = std::make_shared<const TriangleMesh>(make_sphere(ball->radius));
+  } else if (const auto* block = std::get_if<Block>(&description.shape)) {
+    obstacle.shape = *block;
+    setup.mesh = std::make_shared<const TriangleMesh>(make_box(2 * block->half_size));
+  } else {
+    named("obstacle." + description.name, [&] {
+      Placement placement{
+          .unit = {}, .up = {}, .height = description.height, .scale = description.scale, .position = {}};
+      TriangleMesh mesh = read_shape(std::get<MeshSource>(description.shape), placement).mesh;
+      place(mesh, placement);
+      compute_normals(mesh);
+      const double extent = (highest(mesh) - lowest(mesh)).maxCoeff();
+      MeshShape shape;
+      shape.distance = std::make_shared<const SampledDistance>(make_distance_grid(mesh));
+      shape.edge_points = sharp_edge_points(mesh, {.spacing = extent / 100});
+      obstacle.shape = std::move(shape);
+      setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+      return 0;
+    });
+  }
+  return obstacle;
+}
+
+Simulation set_up(const Scene& scene) {
+  Simulation simulation;
+  simulation.scene = scene;
+  simulation.options.time_step = scene.clip.time_step();
+  simulation.options.gravity = scene.clip.gravity;
+  simulation.options.solver = scene.solver;
+
+  std::vector<Obstacle> obstacles;
+  for (const ObstacleDescription& description : scene.obstacles)
+    obstacles.push_back(make_obstacle(description, simulation.obstacles.emplace_back()));
+
+  const bool needs_distance = std::any_of(obstacles.begin(), obstacles.end(), has_edges);
+  std::vector<Body> bodies;
+  for (const BodyDescription& description : scene.bodies) {
+    BodySetup& setup = simulation.bodies.emplace_back(cage_body(description, obstacles));
+    for (const std::string& note : setup.shape.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
+    for (const std::string& note : setup.cage.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
+    setup.texture = read_texture(description, setup.shape, simulation.warnings);
+    bodies.push_back(make_body(description, setup, needs_distance));
+  }
+  simulation.model = make_model(bodies, obstacles);
+  for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
+    simulation.bodies[i].first_node = simulation.model.bodies[i].first_node;
+    simulation.bodies[i].first_hex = simulation.model.bodies[i].first_hex;
+  }
+  simulation.probes = embed_probes(scene, simulation.bodies);
+  simulation.digest = model_digest(simulation.model, simulation.options);
+  warn_of_penetration(simulation, simulation.warnings);
+  return simulation;
+}
+
+std::vector<Vector3d> probe_positions(const Simulation& simulation, const Points& nodes) {
+  const Points points = deform_points(simulation.probes, simulation.model.hexes, nodes);
+  std::vector<Vector3d> positions;
+  for (const auto& point : points.rowwise()) positions.emplace_back(point.transpose());
+  return positions;
+}
+
+std::vector<std::string> probe_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ProbeDescription& probe : scene.probes) names.push_back(probe.name);
+  return names;
+}
+
+}  // namespace umax

@@ -1,0 +1,70 @@
+// From a scene to what can be simulated and drawn: meshes read and placed, cages built, surfaces embedded, model made.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "embedding/embedding.h"
+#include "embedding/mesh_report.h"
+#include "embedding/voxelize.h"
+#include "render/image.h"
+#include "scenes/scene.h"
+#include "tools/state_file.h"
+
+namespace umax {
+
+/// A body's shape, before it has a cage.
+struct PlacedMesh {
+  TriangleMesh mesh;               // world coordinates at time 0 [m], with normals
+  std::filesystem::path texture;   // colour texture; may be empty
+  std::vector<std::string> notes;  // what the file's reader found
+  int num_parts = 1;               // objects in the file
+};
+
+/// A body with what is needed to draw it. Its nodes and hexes are a range of the model's.
+struct BodySetup {
+  std::string name;
+  PlacedMesh shape;
+  Lattice lattice;
+  CageReport cage;
+  Embedding embedding;
+  Eigen::Index first_node = 0, first_hex = 0;  // in the model
+  std::shared_ptr<const Image> texture;        // linear; null: none
+};
+
+struct ObstacleSetup {
+  std::shared_ptr<const TriangleMesh> mesh;  // in the obstacle's own frame [m]; null: a half space
+};
+
+struct Simulation {
+  Scene scene;
+  std::vector<BodySetup> bodies;         // in the order of the scene's
+  std::vector<ObstacleSetup> obstacles;  // likewise
+  Model model;
+  StepOptions options;
+  EmbeddedPoints probes;              // in the order of the scene's; hexes of the model
+  Digest digest;                      // of what decides the states
+  std::vector<std::string> warnings;  // for the user: faults of meshes and what was done, starts in penetration
+  int last_frame() const { return scene.clip.frames; }
+};
+
+/// Reads or makes the body's mesh and puts it where the scene says, but for drop_height. Throws Error naming the body.
+PlacedMesh place_body(const BodyDescription& body);
+
+/// The cage options that a scene's cage key means.
+CageOptions cage_options(const CageDescription& cage);
+
+/// The model's obstacle and the mesh to draw it. Throws Error naming the obstacle.
+Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup);
+
+/// Throws Error (bad_data, not_found) that names the body, obstacle or probe and what is wrong.
+Simulation set_up(const Scene& scene);
+
+/// Current positions of the probes, one after the other [m].
+std::vector<Vector3d> probe_positions(const Simulation& simulation, const Points& nodes);
+
+/// The names of the scene's probes.
+std::vector<std::string> probe_names(const Scene& scene);
+
+}  // namespace umax

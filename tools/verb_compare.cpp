@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "render/flip.h"
+#include "render/image_io.h"
+#include "render/tone_map.h"
+#include "tools/threads.h"
+#include "tools/verbs.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double default_max_flip = 0.02;
+constexpr int past_threshold = 1;
+
+Image8 read_for_eyes(const fs::path& path) {
+  if (path.extension() == ".png" || path.extension() == ".PNG") return read_png8(path);
+  return tone_map(read_image(path), {.curve = ToneCurve::standard});
+}
+
+FlipResult compare_pictures(const fs::path& a, const fs::path& b) {
+  const Image8 reference = read_for_eyes(a), test = read_for_eyes(b);
+  if (reference.width != test.width || reference.height != test.height)
+    throw Error(ExitCode::bad_data,
+                {.where = b.string(),
+                 .what = fmt::format("has another size than {}", a.string()),
+                 .value = fmt::format("{}x{} and {}x{}", test.width, test.height, reference.width, reference.height),
+                 .remedy = "render both at one size (--size)"});
+  return flip(reference, test);
+}
+
+bool is_picture(const fs::path& path) {
+  return path.extension() == ".png" || path.extension() == ".exr";
+}
+
+/// Names of the pictures in a folder; a run's folder stands for its frames.
+std::vector<std::string> picture_names(fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder / "frames", error)) folder /= "frames";
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (is_picture(entry.path())) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  if (names.empty())
+    throw Error(ExitCode::not_found, {.where = folder.string(),
+                                      .what = "holds no pictures",
+                                      .remedy = "give two pictures, or two folders with pictures of the same names"});
+  return names;
+}
+
+void require_same_names(const fs::path& a, const std::vector<std::string>& names_a, const fs::path& b,
+                        const std::vector<std::string>& names_b) {
+  const auto find_missing = [](const fs::path& folder, const std::vector<std::string>& here,
+                               const std::vector<std::string>& there) {
+    for (const std::string& name : there)
+      if (!std::binary_search(here.begin(), here.end(), name))
+        throw Error(ExitCode::not_found, {.where = (folder / name).string(),
+                                          .what = "does not exist, but the other folder has it",
+                                          .remedy = "render the same frames and kinds of pictures in both"});
+  };
+  find_missing(b, names_b, names_a);
+  find_missing(a, names_a, names_b);
+}
+
+void print_result(const std::string& label, double mean, double maximum, double percentage, bool quiet) {
+  if (!quiet)
+    fmt::print("{}mean FLIP {:.6f}  maximum {:.6f}  pixels above 0.1: {:.3f} %\n", label, mean, maximum, percentage);
+}
+
+int verdict(double mean, double max_flip, bool quiet) {
+  const bool within = mean <= max_flip;
+  if (!quiet) fmt::print("{} (threshold {})\n", within ? "within" : "past the threshold", max_flip);
+  return within ? 0 : past_threshold;
+}
+
+/// Every frame counts for itself: the worst one decides.
+int compare_folders(fs::path a, fs::path b, double max_flip, bool quiet) {
+  const auto names_a = picture_names(a), names_b = picture_names(b);
+  require_same_names(a, names_a, b, names_b);
+  double worst = 0, maximum = 0, mean = 0, percentage = 0;
+  for (const std::string& name : names_a) {
+    const FlipResult result = compare_pictures(a / name, b / name);
+    print_result(name + "  ", result.mean, result.maximum, result.percent_above, quiet);
+    worst = std::max(worst, result.mean);
+    maximum = std::max(maximum, result.maximum);
+    mean += result.mean / double(names_a.size());
+    percentage += result.percent_above / double(names_a.size());
+  }
+  print_result("all  ", mean, maximum, percentage, quiet);
+  if (!quiet) fmt::print("largest mean of a picture {:.6f}: ", worst);
+  return verdict(worst, max_flip, quiet);
+}
+
+}  // namespace
+
+int verb_compare(const Options& options) {
+  if (options.inputs.size() != 2)
+    throw Error(ExitCode::usage,
+                {.what = "umax compare takes two pictures or two folders", .remedy = "see umax help compare"});
+  const ThreadLimit threads(options.threads);
+  const fs::path a = options.inputs[0], b = options.inputs[1];
+  const double max_flip = options.max_flip.value_or(default_max_flip);
+  std::error_code error;
+  for (const fs::path& path : {a, b})
+    if (!fs::exists(path, error))
+      throw Error(ExitCode::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
+  if (fs::is_directory(a, error) != fs::is_directory(b, error))
+    throw Error(ExitCode::usage,
+                {.what = "a picture cannot be compared with a folder", .remedy = "give two pictures, or two folders"});
+  if (fs::is_directory(a, error)) return compare_folders(a, b, max_flip, options.quiet);
+
+  const FlipResult result = compare_pictures(a, b);
+  print_result("", result.mean, result.maximum, result.percent_above, options.quiet);
+  return verdict(result.mean, max_flip, options.quiet);
+}
+
+}  // namespace umax
