@@ -42,9 +42,12 @@ void place(double height, TriangleMesh& mesh) {
 TriangleMesh make_figure(const FigureOptions& options) {
   validate(options);
   const figure::Anatomy anatomy = figure::make_anatomy();
-  const auto distance = [&](const Vector3d& p, double reach) { return figure::distances(anatomy, p, reach).all; };
+  const auto distance = [&](const Vector3d& p, double reach) {
+    return figure::distances(anatomy, figure::posed(p), reach).all;
+  };
   TriangleMesh mesh = level_set_surface(
-      distance, {.min = {-1.1, -0.05, -1.3}, .max = {1.1, 2.15, 0.75}, .cell_size = options.cell_size});
+      distance,
+      {.min = {-1.1, -0.05, -1.3}, .max = {1.1, 2.15, 0.75}, .cell_size = options.cell_size, .fine = figure::on_face});
   paint(anatomy, mesh);
   place(options.height, mesh);
   return mesh;

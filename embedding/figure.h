@@ -6,8 +6,8 @@
 namespace umax {
 
 struct FigureOptions {
-  double height = 2.0;      // [m] from the soles on y = 0 to the tips of the ears
-  double cell_size = 9e-3;  // [m] of a 2 m tall figure: edge length of the triangles; raising it makes a coarser mesh
+  double height = 2.0;       // [m] from the soles on y = 0 to the tips of the ears
+  double cell_size = 10e-3;  // [m] of a 2 m tall figure: edge length of the triangles; raising it makes a coarser mesh
 };
 
 /// The character standing on y = 0, facing +z, centred on x = 0: one closed, manifold surface seen counter-clockwise

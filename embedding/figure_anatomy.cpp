@@ -49,25 +49,27 @@ Part make_head() {
   return make_part(false,
                    {
                        Ellipsoid{{0, 1.47, 0.03}, {0.275, 0.235, 0.245}},
-                       RoundCone{{0, 1.24, -0.01}, {0, 1.36, 0.0}, 0.17, 0.2, 0.06},                      // neck
-                       RoundCone{{0, 1.395, 0.16}, {0, 1.375, 0.40}, 0.165, 0.088, 0.10},                 // snout
-                       Ellipsoid{{0, 1.315, 0.22}, {0.125, 0.065, 0.17}, Matrix3d::Identity(), 0.05},     // jaw
-                       Ellipsoid{{0.145, 1.385, 0.12}, {0.115, 0.10, 0.11}, Matrix3d::Identity(), 0.08},  // cheeks
-                       Ellipsoid{{-0.145, 1.385, 0.12}, {0.115, 0.10, 0.11}, Matrix3d::Identity(), 0.08},
+                       RoundCone{{0, 1.24, -0.01}, {0, 1.36, 0.0}, 0.17, 0.2, 0.06},                     // neck
+                       RoundCone{{0, 1.39, 0.16}, {0, 1.355, 0.41}, 0.165, 0.080, 0.10},                 // snout
+                       Ellipsoid{{0, 1.305, 0.20}, {0.115, 0.060, 0.17}, Matrix3d::Identity(), 0.05},    // jaw
+                       Ellipsoid{{0.15, 1.375, 0.12}, {0.115, 0.10, 0.11}, Matrix3d::Identity(), 0.08},  // cheeks
+                       Ellipsoid{{-0.15, 1.375, 0.12}, {0.115, 0.10, 0.11}, Matrix3d::Identity(), 0.08},
                    });
 }
 
-const Vector3d ear_up(0.42, 0.90, -0.10), ear_front(0.35, 0.10, 0.93);
+const Vector3d ear_up(0.58, 0.81, -0.10), ear_front(0.30, 0.05, 0.95);
 
 Part make_ears() {
-  return make_part(true, {
-                             RoundCone{{0.15, 1.60, 0.0}, {0.19, 1.70, -0.005}, 0.085, 0.06},
-                             Ellipsoid{{0.255, 1.81, -0.02}, {0.125, 0.22, 0.05}, axes_along(ear_up, ear_front), 0.05},
-                         });
+  return make_part(true,
+                   {
+                       RoundCone{{0.165, 1.57, -0.01}, {0.205, 1.64, -0.015}, 0.085, 0.065},
+                       Ellipsoid{{0.285, 1.745, -0.03}, {0.120, 0.185, 0.048}, axes_along(ear_up, ear_front), 0.05},
+                       RoundCone{{0.335, 1.81, -0.04}, {0.405, 1.905, -0.05}, 0.055, 0.018, 0.05},
+                   });
 }
 
 Part make_ear_hollows() {
-  return make_part(true, {Ellipsoid{{0.270, 1.815, 0.035}, {0.085, 0.175, 0.052}, axes_along(ear_up, ear_front)}});
+  return make_part(true, {Ellipsoid{{0.300, 1.745, 0.022}, {0.082, 0.155, 0.050}, axes_along(ear_up, ear_front)}});
 }
 
 Part make_legs() {
@@ -75,7 +77,7 @@ Part make_legs() {
                    {
                        RoundCone{{0.20, 0.54, 0.01}, {0.265, 0.33, 0.06}, 0.20, 0.155},
                        RoundCone{{0.265, 0.33, 0.06}, {0.275, 0.14, 0.01}, 0.155, 0.125, 0.05},
-                       Ellipsoid{{0.29, 0.065, 0.10}, {0.145, 0.095, 0.20}, axes_along({0, 1, 0}, {0.22, 0, 1}), 0.06},
+                       Ellipsoid{{0.29, 0.065, 0.07}, {0.145, 0.095, 0.225}, axes_along({0, 1, 0}, {0.22, 0, 1}), 0.06},
                    });
 }
 
@@ -115,11 +117,16 @@ Part make_fingers() {
   return make_part(true, cones);
 }
 
-Part make_claws() {
+Part make_toe_claws() {
   std::vector<Primitive> claws;
   for (const Vector3d& tip : toe_tips) {
     claws.push_back(RoundCone{tip + Vector3d(0.004, 0.005, 0.03), tip + Vector3d(0.016, -0.025, 0.10), 0.036, 0.010});
   }
+  return make_part(true, claws);
+}
+
+Part make_finger_claws() {
+  std::vector<Primitive> claws;
   for (const Finger& finger : fingers) {
     const Vector3d along = (finger.tip - finger.root).normalized();
     claws.push_back(
@@ -142,19 +149,23 @@ Part make_tail() {
 Anatomy make_anatomy() {
   Anatomy anatomy;
   anatomy.torso = make_torso();
+  anatomy.dome = make_part(false, {Ellipsoid{{0, 0.83, -0.06}, {0.375, 0.46, 0.345}}});
+  anatomy.shoulders = make_part(true, {Ellipsoid{{0.235, 1.11, -0.03}, {0.15, 0.145, 0.135}}});
+  anatomy.hips = make_part(true, {Ellipsoid{{0.20, 0.56, -0.01}, {0.205, 0.21, 0.205}}});
+  anatomy.legs = make_legs();
+  anatomy.toes = make_toes();
+  anatomy.toe_claws = make_toe_claws();
+  anatomy.tail = make_tail();
   anatomy.head = make_head();
   anatomy.ears = make_ears();
   anatomy.ear_hollows = make_ear_hollows();
-  anatomy.eyes = make_part(true, {Ellipsoid{{0.118, 1.505, 0.215}, {0.062, 0.066, 0.062}}});
-  anatomy.eyelids = make_part(true, {Ellipsoid{{0.118, 1.507, 0.212}, {0.074, 0.076, 0.070}}});
-  anatomy.nose = make_part(false, {Ellipsoid{{0, 1.412, 0.470}, {0.056, 0.042, 0.040}}});
-  anatomy.nostrils = make_part(true, {Ellipsoid{{0.026, 1.405, 0.508}, {0.011, 0.009, 0.014}}});
-  anatomy.legs = make_legs();
-  anatomy.toes = make_toes();
+  anatomy.eyes = make_part(true, {Ellipsoid{{0.130, 1.475, 0.200}, {0.080, 0.088, 0.074}}});
+  anatomy.eyelids = make_part(true, {Ellipsoid{{0.130, 1.477, 0.197}, {0.091, 0.098, 0.083}}});
+  anatomy.nose = make_part(false, {Ellipsoid{{0, 1.392, 0.475}, {0.058, 0.044, 0.040}}});
+  anatomy.nostrils = make_part(true, {Ellipsoid{{0.026, 1.385, 0.513}, {0.011, 0.009, 0.014}}});
   anatomy.arms = make_arms();
   anatomy.fingers = make_fingers();
-  anatomy.claws = make_claws();
-  anatomy.tail = make_tail();
+  anatomy.finger_claws = make_finger_claws();
   return anatomy;
 }
 

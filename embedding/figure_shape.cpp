@@ -1,25 +1,8 @@
 #include "embedding/figure_shape.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace umax::figure {
-
-double smooth_min(double a, double b, double blend) {
-  const double near = std::max(blend - std::abs(a - b), 0.0);
-  if (near == 0) return std::min(a, b);
-  const double h = near / blend;
-  return std::min(a, b) - h * h * h * blend / 6;
-}
-
-double smooth_max(double a, double b, double blend) {
-  return -smooth_min(-a, -b, blend);
-}
-
-double smooth_step(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 double distance_to(const RoundCone& cone, const Vector3d& p) {
   const Vector3d axis = cone.b - cone.a, from_a = p - cone.a;

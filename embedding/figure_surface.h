@@ -11,9 +11,10 @@ namespace umax {
 using DistanceFunction = std::function<double(const Vector3d& p, double reach)>;
 
 struct SurfaceOptions {
-  Vector3d min{-1, 0, -1}, max{1, 2, 1};  // [m] box that holds the surface
-  double cell_size = 6.5e-3;              // [m]
-  int relaxations = 3;                    // rounds that even out the triangles
+  Vector3d min{-1, 0, -1}, max{1, 2, 1};        // [m] box that holds the surface
+  double cell_size = 6.5e-3;                    // [m]
+  int relaxations = 4;                          // rounds that even out the triangles
+  std::function<bool(const Vector3d& p)> fine;  // where triangles get half the size; empty: nowhere
 };
 
 /// Triangles of the zero level set, counter-clockwise from outside, with unit normals. The same bytes for any number of
