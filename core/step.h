@@ -15,7 +15,7 @@ enum class SolverMethod {
 };
 
 struct SolverOptions {
-  SolverMethod method = SolverMethod::paper;
+  SolverMethod method = SolverMethod::exact;
   double tolerance = 1e-3;  // [-] bound on U/U_max - 1 at the end of a step
   EnergyMeasure energy = EnergyMeasure::true_energy;
   RotationEstimate rotation = RotationEstimate::centre;
@@ -30,9 +30,9 @@ struct SolverOptions {
 struct StepOptions {
   double time_step = 1.0 / 60;    // [s]
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
-  SolverOptions solver;
+  SolverOptions solver{};
   /// Called once an iteration when set (umax simulate --verbose).
-  std::function<void(int iteration, double max_energy_ratio, double max_penetration, double change)> on_iteration;
+  std::function<void(int iteration, double max_energy_ratio, double max_penetration, double change)> on_iteration{};
 };
 
 enum class StepStatus {
