@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 #include "render/fast_math.h"
@@ -170,14 +171,15 @@ Bsdf make_bsdf(const BsdfLook& look, const Vector3f& base_color, const Vector3f&
       bsdf.glossy_b[c] += metal * (1 - base_color[c]);
     }
   }
-  // lobes are chosen by the light they send to the viewer
+  // lobes are chosen by the light they send to the viewer; none so rarely that its bright directions become sparks
   const Vector3f glossy_albedo = e.a * bsdf.glossy_a + e.b * bsdf.glossy_b;
   bsdf.albedo = bsdf.diffuse + glossy_albedo + Vector3f::Constant(coat_albedo);
-  const float diffuse = bsdf.diffuse.sum(), glossy = glossy_albedo.sum(), coat = 3 * coat_albedo;
+  const float diffuse = bsdf.diffuse.sum(), least = 0.18f * diffuse;
+  const float glossy = look.f90 > 0 || look.metallic > 0 ? std::max(glossy_albedo.sum(), least) : 0.0f;
+  const float coat = look.coat > 0 ? std::max(3 * coat_albedo, least) : 0.0f;
   const float total = diffuse + glossy + coat;
   bsdf.choose_diffuse = total > 0 ? diffuse / total : 1;
-  bsdf.choose_glossy = total > 0 ? glossy / total : 0;
-  if (!(look.coat > 0)) bsdf.choose_glossy = 1 - bsdf.choose_diffuse;
+  bsdf.choose_glossy = coat > 0 ? glossy / total : 1 - bsdf.choose_diffuse;
   return bsdf;
 }
 
