@@ -1,4 +1,5 @@
-// Draws prepared frames with OpenGL 4.5 on the processor (Mesa's OSMesa). The only place that knows GL.
+// Finds what is seen at each sample of a frame, with OpenGL 4.5 on the processor (Mesa's OSMesa). The only place that
+// knows GL; the light is added in raster_shade.
 #pragma once
 
 #include <memory>
@@ -17,8 +18,8 @@ class GlRaster {
   GlRaster(const GlRaster&) = delete;
   GlRaster& operator=(const GlRaster&) = delete;
 
-  /// Scene-linear RGB, rows from the top; the same bits for every number of threads.
-  Image draw(const Frame& frame);
+  /// The same bits for every number of threads.
+  Visible draw(const Frame& frame);
 
  private:
   struct Context;

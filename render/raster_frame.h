@@ -1,4 +1,4 @@
-// One frame as the rasteriser's GL part takes it: flat arrays, matrices and light samples. No scene types, no GL types.
+// What passes between the rasteriser's parts: prepare (scene to flat arrays), draw (GL: what is seen where), shade.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,9 +9,8 @@
 
 namespace umax::raster {
 
-// unaligned, so that structs of them have the layout that the shaders read
-using Matrix4f = Eigen::Matrix<float, 4, 4, Eigen::DontAlign>;
-using Vector4f = Eigen::Matrix<float, 4, 1, Eigen::DontAlign>;
+using Eigen::Matrix4f;
+using Eigen::Vector4f;
 
 struct Vertex {
   Vector3f position;  // world [m]
@@ -23,37 +22,39 @@ struct Vertex {
 /// A range of indices drawn with one look.
 struct Batch {
   int first_index = 0, num_indices = 0;
-  Vector4f surface{0.5f, 0.04f, 0, 0};  // roughness, reflectance at normal incidence, metallic, clear coat
-  float coat_roughness = 0.03f;
-  bool is_ground = false;  // casts no shadow, fades into the background
+  float roughness = 0.5f, reflectance = 0.04f, metallic = 0, coat = 0,
+        coat_roughness = 0.03f;  // reflectance: at normal incidence
+  bool is_ground = false;        // casts no shadow, fades into the background
   std::shared_ptr<const Image> texture;
 };
 
-/// One direction or point of light with a shadow map of its own. Laid out as the shaders read it (std140).
+/// One direction or point of light with a shadow map of its own.
 struct LightSample {
   Matrix4f shadow_from_world;  // to [0, 1]^3
-  Vector4f position;           // w = 0: direction towards the light; w = 1: point [m]
-  Vector4f power;              // rgb: irradiance (w = 0) or radiance times area (w = 1); a: normal offset [m] or [1]
-  Vector4f axis;               // where a point emits to; w: 1 / its share of the whole light
+  Vector3f position;           // direction towards the light, or point [m]
+  bool is_point = false;
+  Vector3f power;          // irradiance (direction) or radiance times area (point)
+  Vector3f axis{0, 1, 0};  // where a point emits to
+  float texel = 0;         // size of a texel of its map: [m], or for a point [m] at 1 m
 };
 
-/// Lights with highlights: a rectangle (corner, two edges) or the sun (a direction), sampled by `count` samples from
-/// `first`.
+/// Lights with highlights: a rectangle, or the sun, sampled by key_samples[first] and the following.
 struct KeyLight {
-  Vector4f corner;    // xyz; w = 1: rectangle, 0: direction towards the sun
-  Vector4f edge_u;    // xyz; w: first sample
-  Vector4f edge_v;    // xyz; w: number of samples
-  Vector4f radiance;  // rgb: radiance of the rectangle, or irradiance of the sun
+  bool is_rectangle = false;
+  Vector3f corner{0, 0, 0};  // [m], or the direction towards the sun
+  Vector3f edge_u{1, 0, 0}, edge_v{0, 0, 1};
+  Vector3f radiance{0, 0, 0};  // of the rectangle, or irradiance of the sun
+  int first = 0, count = 0;
 };
 
-static_assert(sizeof(LightSample) == 112 && sizeof(KeyLight) == 64 && sizeof(Vertex) == 44);
+static_assert(sizeof(Vertex) == 44);
 
 struct WireVertex {
-  Vector4f clip;   // position in clip space
-  float distance;  // [px] from the line's middle
+  Eigen::Matrix<float, 4, 1, Eigen::DontAlign> clip;  // position in clip space
+  float distance;                                     // [px] from the line's middle
 };
 
-constexpr int max_key_samples = 64, max_key_lights = 8, max_sky_samples = 48, num_probe_layers = 6;
+constexpr int max_key_samples = 128, max_key_lights = 16, max_sky_samples = 64, num_probe_layers = 6;
 
 struct Frame {
   int width = 0, height = 0;  // [px] as rendered
@@ -79,6 +80,17 @@ struct Frame {
   float wire_half_width = 0.6f;  // [px]
   float wire_opacity = 1;
   float hidden_wire_opacity = 0;  // 0: hidden lines are not drawn
+};
+
+constexpr int samples_per_pixel = 4;
+
+/// What GL found at each sample of each pixel, rows from the top.
+struct Visible {
+  int width = 0, height = 0;
+  // 4 floats at ((sample * height + y) * width + x) * 4
+  std::vector<float> geometry;  // unit normal towards the eye, distance from the eye [m]
+  std::vector<float> material;  // base colour, index of the batch + 1 (0: background)
+  Image wires;                  // RGBA, colour times coverage, to be laid over the picture; empty: none
 };
 
 }  // namespace umax::raster

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "render/daylight.h"
+#include "render/latlong.h"
 #include "render/light.h"
 #include "render/srgb.h"
 
@@ -22,26 +23,6 @@ constexpr int blurred_width = 64, blurred_height = 32;  // [px] what is filtered
 constexpr float shaded_ground =
     0.7f;  // share of the ground's light that reaches a body which shades the ground under it
 
-Vector3f direction_of(float u, float v) {
-  const float azimuth = 2 * pi * u, polar = pi * v;
-  return {std::sin(polar) * std::sin(azimuth), std::cos(polar), std::sin(polar) * std::cos(azimuth)};
-}
-Vector2f latlong_of(const Vector3f& d) {
-  const float u = std::atan2(d[0], d[2]) / (2 * pi);
-  return {u < 0 ? u + 1 : u, std::acos(std::clamp(d[1], -1.0f, 1.0f)) / pi};
-}
-
-Vector3f bilinear(const Image& image, const Vector2f& uv) {
-  const float x = uv[0] * float(image.width) - 0.5f,
-              y = std::clamp(uv[1] * float(image.height) - 0.5f, 0.0f, float(image.height - 1));
-  const int x0 = int(std::floor(x)), y0 = int(y), y1 = std::min(y0 + 1, image.height - 1);
-  const auto at = [&](int column, int row) {
-    return Eigen::Map<const Vector3f>(image.pixel((column + image.width) % image.width, row));
-  };
-  const float fx = x - float(x0), fy = y - float(y0);
-  return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) + fy * ((1 - fx) * at(x0, y1) + fx * at(x0 + 1, y1));
-}
-
 /// A latitude-longitude picture of a function of direction.
 template <class Radiance>
 Image latlong_image(int width, int height, const Radiance& radiance) {
@@ -50,7 +31,7 @@ Image latlong_image(int width, int height, const Radiance& radiance) {
     for (int y = rows.begin(); y < rows.end(); ++y)
       for (int x = 0; x < width; ++x)
         Eigen::Map<Vector3f>(image.pixel(x, y)) =
-            radiance(direction_of((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height)));
+            radiance(direction_of_latlong((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height)));
   });
   return image;
 }
@@ -108,10 +89,6 @@ std::pair<Matrix4f, float> point_shadow(const Vector3f& from, const Focus& focus
   return {unit_from_clip() * clip * looking(from, axis), tangent};
 }
 
-Vector4f with(const Vector3f& v, float w) {
-  return {v[0], v[1], v[2], w};
-}
-
 // ---- lights with highlights -------------------------------------------------------------------------------------
 
 /// The i-th of n points spread evenly over the unit square, all different on both axes.
@@ -124,31 +101,30 @@ void add_area_light(const AreaLight& light, int count, const Focus& focus, Frame
   const Vector3f normal = light.edge_u.cross(light.edge_v);
   const float area = normal.norm();
   if (!(area > 0)) return;
-  frame.key_lights.push_back({with(light.corner, 1), with(light.edge_u, float(frame.key_samples.size())),
-                              with(light.edge_v, float(count)), with(light.radiance, 0)});
+  frame.key_lights.push_back(
+      {true, light.corner, light.edge_u, light.edge_v, light.radiance, int(frame.key_samples.size()), count});
   for (int i = 0; i < count; ++i) {
     const Vector2f uv = spread_point(i, count);
     const Vector3f from = light.corner + uv[0] * light.edge_u + uv[1] * light.edge_v;
     const auto [shadow, tangent] = point_shadow(from, focus);
     const float texel = 2 * tangent / float(frame.key_map_size);
-    frame.key_samples.push_back(
-        {shadow, with(from, 1), with(light.radiance * (area / float(count)), texel), with(normal / area, 1)});
+    frame.key_samples.push_back({shadow, from, true, light.radiance * (area / float(count)), normal / area, texel});
   }
 }
 
 void add_sun(const Daylight& daylight, int count, const Focus& focus, Frame& frame) {
   const Vector3f irradiance = daylight.sun_radiance * daylight.sun_solid_angle;
   const Matrix4f frame_of_sun = looking(Vector3f::Zero(), daylight.sun_direction);
-  frame.key_lights.push_back({with(daylight.sun_direction, 0), with({0, 0, 0}, float(frame.key_samples.size())),
-                              with({0, 0, 0}, float(count)), with(irradiance, 0)});
+  frame.key_lights.push_back(
+      {false, daylight.sun_direction, {0, 0, 0}, {0, 0, 0}, irradiance, int(frame.key_samples.size()), count});
   const float texel = 2.04f * focus.radius / float(frame.key_map_size);
   for (int i = 0; i < count; ++i) {
     const Vector2f uv = spread_point(i, count);
     const float cosine = 1 - uv[0] * (1 - daylight.sun_cosine), sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
     const Vector3f local(sine * std::cos(2 * pi * uv[1]), sine * std::sin(2 * pi * uv[1]), cosine);
     const Vector3f towards = frame_of_sun.block<3, 3>(0, 0).transpose() * local;
-    frame.key_samples.push_back({parallel_shadow(towards, focus), with(towards, 0),
-                                 with(irradiance / float(count), texel), with({0, 0, 0}, 1)});
+    frame.key_samples.push_back(
+        {parallel_shadow(towards, focus), towards, false, irradiance / float(count), {0, 1, 0}, texel});
   }
 }
 
@@ -159,7 +135,7 @@ void add_sun_of(const Sky& sky, int count, const Focus& focus, Frame& frame) {
   const Daylight daylight(*kind);
   if (!(daylight.sun_radiance.maxCoeff() > 0)) return;
   add_sun(daylight, count, focus, frame);
-  frame.sun = with(daylight.sun_direction, daylight.sun_cosine);
+  frame.sun << daylight.sun_direction, daylight.sun_cosine;
   frame.sun_radiance = daylight.sun_radiance;
 }
 
@@ -189,8 +165,8 @@ void add_sky(const Image& surroundings, int count, const Focus& focus, Frame& fr
   std::vector<Vector3f> irradiance(directions.size(), Vector3f::Zero()), mean(directions.size(), Vector3f::Zero());
   for (int y = 0; y < surroundings.height; ++y) {
     for (int x = 0; x < surroundings.width; ++x) {
-      const Vector3f d =
-          direction_of((float(x) + 0.5f) / float(surroundings.width), (float(y) + 0.5f) / float(surroundings.height));
+      const Vector3f d = direction_of_latlong((float(x) + 0.5f) / float(surroundings.width),
+                                              (float(y) + 0.5f) / float(surroundings.height));
       // the nearest direction of the same hemisphere
       std::size_t nearest = d[1] > 0 ? 0 : std::size_t(count - count / 4);
       const std::size_t end = d[1] > 0 ? nearest + std::size_t(count - count / 4) : directions.size();
@@ -205,8 +181,7 @@ void add_sky(const Image& surroundings, int count, const Focus& focus, Frame& fr
   for (std::size_t i = 0; i < directions.size(); ++i) {
     if (!(mean[i].norm() > 0)) continue;
     const Vector3f towards = mean[i].normalized();
-    frame.sky_samples.push_back(
-        {parallel_shadow(towards, focus), with(towards, 0), with(irradiance[i], texel), with({0, 0, 0}, 1)});
+    frame.sky_samples.push_back({parallel_shadow(towards, focus), towards, false, irradiance[i], {0, 1, 0}, texel});
   }
 }
 
@@ -219,7 +194,7 @@ Image blurred(const Image& source, float roughness) {
   for (int y = 0; y < source.height; ++y)
     for (int x = 0; x < source.width; ++x)
       directions.push_back(
-          direction_of((float(x) + 0.5f) / float(source.width), (float(y) + 0.5f) / float(source.height)));
+          direction_of_latlong((float(x) + 0.5f) / float(source.width), (float(y) + 0.5f) / float(source.height)));
   return latlong_image(source.width, source.height, [&](const Vector3f& axis) {
     Vector3f sum = Vector3f::Zero();
     float weights = 0;
@@ -237,7 +212,7 @@ Image blurred(const Image& source, float roughness) {
 }
 
 Image resized(const Image& source, int width, int height) {
-  return latlong_image(width, height, [&](const Vector3f& d) { return bilinear(source, latlong_of(d)); });
+  return latlong_image(width, height, [&](const Vector3f& d) { return look_up_latlong(source, latlong_of(d)); });
 }
 
 void fill_probe(const Image& sharp, ProbeCache& cache) {
@@ -261,11 +236,11 @@ Vector3f ground_radiance(const Ground& ground, const Image& sky, const Focus& fo
   }
   const Vector3f here(focus.center[0], ground.height, focus.center[2]);
   for (const LightSample& sample : frame.key_samples) {
-    const Vector3f to_light = sample.position.head<3>() - sample.position[3] * here;
+    const Vector3f to_light = sample.is_point ? Vector3f(sample.position - here) : sample.position;
     const float distance2 = to_light.squaredNorm();
     const Vector3f l = to_light / std::sqrt(distance2);
-    const float emitted = sample.position[3] > 0 ? std::max(-l.dot(sample.axis.head<3>()), 0.0f) / distance2 : 1;
-    irradiance += sample.power.head<3>() * (std::max(l[1], 0.0f) * emitted);
+    const float emitted = sample.is_point ? std::max(-l.dot(sample.axis), 0.0f) / distance2 : 1;
+    irradiance += sample.power * (std::max(l[1], 0.0f) * emitted);
   }
   return shaded_ground / pi * ground.color.cwiseProduct(irradiance);
 }

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "render/gl_raster.h"
 #include "render/raster_light.h"
+#include "render/raster_shade.h"
 #include "render/srgb.h"
 
 namespace umax {
@@ -90,7 +91,10 @@ void append_object(const RenderObject& object, bool is_ground, Frame& frame) {
   const float reflectance = (look.ior - 1) / (look.ior + 1);
   raster::Batch batch;
   batch.first_index = int(frame.indices.size());
-  batch.surface = {std::clamp(look.roughness, 0.0f, 1.0f), reflectance * reflectance, look.metallic, look.clearcoat};
+  batch.roughness = std::clamp(look.roughness, 0.0f, 1.0f);
+  batch.reflectance = reflectance * reflectance;
+  batch.metallic = look.metallic;
+  batch.coat = look.clearcoat;
   batch.coat_roughness = look.clearcoat_roughness;
   batch.is_ground = is_ground;
   const bool textured = look.texture && mesh.texture_coordinates.rows() == 3 * mesh.num_triangles();
@@ -260,7 +264,7 @@ Image Rasterizer::draw(const RenderScene& scene, const RasterizeOptions& options
   raster::prepare_lighting(scene, arrangement.focus, arrangement.ground, {options.light_samples, options.sky_samples},
                            resources_->probe, frame);
   if (scene.wires) append_wires(*scene.wires, options.supersample, frame);
-  return reduced(resources_->gl.draw(frame), options.supersample);
+  return reduced(raster::shade(frame, resources_->gl.draw(frame)), options.supersample);
 }
 
 Image rasterize(const RenderScene& scene, const RasterizeOptions& options) {
