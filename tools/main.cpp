@@ -28,7 +28,7 @@ int run_verb(const Options& options) {
 int run(int argc, char** argv) {
   const Options options = umax::parse_command_line(argc, argv);
   if (options.version) {
-    fmt::print("{}\n", umax::version_text());
+    fmt::print("umax {}\n", umax::version_text());
     return 0;
   }
   if (options.help) {

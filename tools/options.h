@@ -56,7 +56,7 @@ Options parse_command_line(int argc, const char* const* argv);
 /// "umax help" (verb empty) and "umax help VERB".
 std::string help_text(const std::string& verb);
 
-/// The version of the program, as --version prints it.
+/// The version of the program, "0.1.0".
 std::string version_text();
 
 }  // namespace umax

@@ -4,10 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include "render/denoise.h"
 #include "render/image_io.h"
 #include "render/path_trace.h"
 #include "render/rasterize.h"
 #include "render/tone_map.h"
+#include "tools/signals.h"
 
 namespace umax {
 
@@ -18,7 +20,7 @@ struct Painter::Engine {
 
 namespace {
 
-/// Colour first, then what a compositor wants.
+/// Colour first, then what a compositor wants; nothing when a signal asks us to stop.
 std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription& render) {
   PathTraceOptions options;
   options.width = render.width;
@@ -26,8 +28,11 @@ std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription
   options.samples = render.samples;
   options.bounces = render.bounces;
   options.seed = render.seed;
+  options.stop = &stop_flag();
   TracedImage traced = path_trace(shot, options);
   std::vector<Layer> layers;
+  if (stop_flag()) return layers;
+  if (render.denoise) traced.color = denoise(traced);
   layers.push_back({"", std::move(traced.color)});
   layers.push_back({"Albedo", std::move(traced.albedo)});
   layers.push_back({"N", std::move(traced.normal)});
@@ -45,7 +50,7 @@ Painter::Painter(const RenderDescription& render, int threads) : render_(render)
 
 Painter::~Painter() = default;
 
-void Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
+bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
   std::vector<Layer> layers;
   if (render_.engine == RenderEngine::embree)
     layers = trace_layers(shot, render_);
@@ -53,11 +58,13 @@ void Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
     layers.push_back({"", engine_->rasterizer->draw(
                               shot, {.width = render_.width, .height = render_.height, .threads = engine_->threads})});
 
+  if (layers.empty()) return false;
   if (render_.exr) {
     std::filesystem::path exr = png;
     write_exr(exr.replace_extension(".exr"), layers);
   }
   write_png(png, tone_map(layers.front().image, {.exposure_stops = float(render_.exposure_stops)}));
+  return true;
 }
 
 }  // namespace umax

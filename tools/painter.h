@@ -19,7 +19,8 @@ class Painter {
   Painter& operator=(const Painter&) = delete;
 
   /// Draws the shot and puts it at `png` (and beside it as .exr when the scene asks for it), whole or not at all.
-  void paint(const RenderScene& shot, const std::filesystem::path& png);
+  /// False, and no file, when a signal asks us to stop meanwhile.
+  bool paint(const RenderScene& shot, const std::filesystem::path& png);
 
  private:
   struct Engine;

@@ -101,11 +101,12 @@ RenderResult render_pictures(const PictureList& list, const RenderDescription& r
   Painter painter(render, threads);
   progress.begin("render", int(list.frames.size()), result.pictures);
   for (const int frame : missing) {
-    if ((result.signal = stop_signal()) != 0) break;
-    painter.paint(list.shot(frame), folder.picture(frame));
+    if (stop_signal() != 0) break;
+    if (!painter.paint(list.shot(frame), folder.picture(frame))) continue;  // stopped: the loop ends above
     ++result.pictures;
     progress.frame_done(frame);
   }
+  result.signal = stop_signal();
   progress.end();
   return result;
 }

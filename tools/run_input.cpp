@@ -113,8 +113,7 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   body.name = "body";
   body.source = source;
   body.height = wanted;
-  body.position = Vector3d(0, height, 0);
-  body.drop_height = drop_height * height;
+  body.position = Vector3d(0, (drop_height + 0.5) * height, 0);
   body.material.young = young_per_height * height;
   body.limit = {.kind = LimitKind::hard,
                 .unit = LimitUnit::stretch,

@@ -8,9 +8,12 @@ namespace {
 
 constexpr std::array<int, 3> watched{SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t noted = 0;
+std::atomic<bool> stop = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not lock");
 
 void note_signal(int number) {
   noted = number;
+  stop = true;
 }
 
 }  // namespace
@@ -33,6 +36,10 @@ SignalWatch::~SignalWatch() {
     sigaction(number, nullptr, &now);
     if (now.sa_handler == note_signal) std::signal(number, SIG_DFL);
   }
+}
+
+const std::atomic<bool>& stop_flag() {
+  return stop;
 }
 
 int stop_signal() {

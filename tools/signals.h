@@ -1,6 +1,8 @@
 // Ctrl-C and termination: noticed, so that the step in hand can be finished and what is complete kept.
 #pragma once
 
+#include <atomic>
+
 namespace umax {
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once.
@@ -11,6 +13,9 @@ class SignalWatch {
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
 };
+
+/// Becomes true when a signal asks us to stop.
+const std::atomic<bool>& stop_flag();
 
 /// Number of the signal that asks us to stop; 0: none.
 int stop_signal();

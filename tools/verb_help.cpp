@@ -47,7 +47,7 @@ const std::vector<VerbHelp>& verbs() {
 }
 
 std::string version_text() {
-  return "umax " UMAX_VERSION;
+  return UMAX_VERSION;
 }
 
 int verb_help(const Options& options) {
