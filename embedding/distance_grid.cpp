@@ -135,7 +135,7 @@ SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridO
   grid.origin = 0.5 * (low + high) - 0.5 * grid.spacing * (grid.size - Vector3i::Ones()).cast<double>();
 
   // exact near the surface, then outwards and inwards from there
-  const Solid solid = make_solid(mesh, grid.spacing);
+  const Solid solid = make_solid(mesh, close_surface(mesh), grid.spacing);
   if (notes) notes->insert(notes->end(), solid.notes.begin(), solid.notes.end());
   const double band = std::max(3.0, options.band / grid.spacing);
   const LevelSet near(mesh.positions, mesh.triangles, grid.origin,

@@ -13,7 +13,7 @@ namespace umax {
 struct DistanceGridOptions {
   int max_samples_per_axis =
       128;          // [-] along the longest edge of the bounding box; raising it sharpens edges, memory grows cubed
-  double band = 0;  // [m] distances are exact this far from the surface (at least 3 samples); further out
+  double band = 0;  // [m] distances are right to 1 % of a sample this far out (at least 3 samples); further out
                     // they follow from their neighbours, to a few per cent
 };
 

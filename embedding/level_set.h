@@ -10,7 +10,7 @@ namespace umax {
 
 struct LevelSetOptions {
   double voxel = 0.01;     // [m] edge of a voxel
-  double band_voxels = 3;  // [voxels] exact distances reach this far on both sides; further out they are cut off
+  double band_voxels = 3;  // [voxels] distances (to 1 % of a voxel) reach this far on both sides; then they are cut off
   bool is_signed = true;   // false: distances without sign
 };
 

@@ -11,9 +11,11 @@
 namespace umax {
 
 struct MeshFile {
-  TriangleMesh mesh;           // in file units and axes; all parts in one mesh, quads and polygons cut into triangles
-  std::optional<double> unit;  // [m] length of one file unit, where the format says (FBX, COLLADA; glTF: 1)
-  std::optional<std::string> up;   // "x", "y", "z" or "-x" …, where the format says (FBX, COLLADA; glTF: "y")
+  TriangleMesh mesh;  // in file units and axes; all parts in one mesh, quads and polygons cut into triangles
+  std::optional<double> unit =
+      std::nullopt;  // [m] length of one file unit, where the format says (FBX, COLLADA; glTF: 1)
+  std::optional<std::string> up =
+      std::nullopt;                // "x", "y", "z" or "-x" …, where the format says (FBX, COLLADA; glTF: "y")
   std::filesystem::path texture;   // colour texture that the file names, absolute; may be empty
   std::vector<std::string> notes;  // what a user may want to know; empty when all is plain
   int num_parts = 0;               // objects or mesh instances in the file

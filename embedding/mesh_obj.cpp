@@ -2,6 +2,7 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -39,6 +40,13 @@ std::vector<std::string_view> words(std::string_view line) {
               "the file is truncated or damaged: export it again");
 }
 
+bool says_nan_or_infinity(std::string_view word) {
+  if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.remove_prefix(1);
+  std::string start(word.substr(0, 3));
+  for (char& c : start) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return start == "nan" || start == "inf";
+}
+
 void check_coordinate(const Path& path, long long line_number, std::string_view line, std::string_view word,
                       long long vertex) {
   double value = 0;
@@ -73,9 +81,9 @@ void check_lines(const Path& path, std::string_view text) {
       refuse_line(path, line_number, fmt::format("vertex {} needs three coordinates", num_vertices), line);
     bool finite = true;
     for (std::size_t axis = 1; axis < 4; ++axis) {
-      const bool has_letters = parts[axis].find_first_of("nNiI") != parts[axis].npos;
-      finite &= !has_letters;
-      if (!has_letters) check_coordinate(path, line_number, line, parts[axis], num_vertices);
+      const bool is_finite = !says_nan_or_infinity(parts[axis]);
+      finite &= is_finite;
+      if (is_finite) check_coordinate(path, line_number, line, parts[axis], num_vertices);
     }
     if (!finite && num_bad++ == 0) {
       first_bad = num_vertices;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -85,6 +86,27 @@ long long check_ply(const Path& path) {
   return num_vertices;
 }
 
+// the reader takes a vertex that does not exist for the last one
+void check_off_faces(const Path& path, std::istream& in, long long num_vertices, long long num_faces) {
+  long long face = 0;
+  for (std::string line; face < num_faces && std::getline(in, line);) {
+    const std::size_t start = line.find_first_not_of(" \t\r");
+    if (start == line.npos || line[start] == '#') continue;
+    const char* at = line.c_str();
+    char* end = nullptr;
+    const long long num_corners = std::strtoll(at, &end, 10);
+    for (long long corner = 0; corner < num_corners; ++corner) {
+      const long long v = std::strtoll(at = end, &end, 10);
+      if (end == at) refuse_truncated(path, fmt::format("face {} with {} of {} corners", face, corner, num_corners));
+      if (v < 0 || v >= num_vertices)
+        refuse_mesh(path, fmt::format("face {} names vertex {}, which does not exist", face, v),
+                    fmt::format("{} vertices", num_vertices), "the file is damaged: export it again");
+    }
+    ++face;
+  }
+  if (face < num_faces) refuse_truncated(path, fmt::format("{} of {} faces", face, num_faces));
+}
+
 long long check_off(const Path& path) {
   std::ifstream in(path, std::ios::binary);
   // the counts stand on the first line after the keyword, or on the keyword's own
@@ -101,9 +123,9 @@ long long check_off(const Path& path) {
   std::istringstream(text) >> num_vertices >> num_faces;
   if (num_vertices < 0 || num_faces < 0)
     refuse_mesh(path, "the OFF header has no counts", '"' + text + '"', "export the mesh again");
-  const long long found = count_lines(in, num_vertices + num_faces);
-  if (found < num_vertices + num_faces)
-    refuse_truncated(path, fmt::format("{} of {} lines", found, num_vertices + num_faces));
+  const long long found = count_lines(in, num_vertices);
+  if (found < num_vertices) refuse_truncated(path, fmt::format("{} of {} vertices", found, num_vertices));
+  check_off_faces(path, in, num_vertices, num_faces);
   return num_vertices;
 }
 

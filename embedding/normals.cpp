@@ -2,11 +2,16 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "embedding/topology.h"
 
@@ -73,10 +78,10 @@ class FanBuilder {
       if (welded_[v] != int(v)) shared_[welded_[v]] = 1;
   }
 
-  /// Appends the chains of vertices [first, last) to entries; sizes[v - first] is how many entries each got.
-  void build(int first, int last, std::vector<int>& entries, std::vector<int>& sizes) const {
+  /// Appends the chains of the vertices to entries, and to sizes how many entries each got.
+  void build(std::span<const int> vertices, std::vector<int>& entries, std::vector<int>& sizes) const {
     std::vector<RimEdge> rim;
-    for (int v = first; v < last; ++v) {
+    for (int v : vertices) {
       const std::size_t before = entries.size();
       collect_rim(v, rim);
       append_chains(rim, entries);
@@ -122,19 +127,66 @@ class FanBuilder {
   double min_cosine_;
 };
 
+// spreads the lowest 10 bits to every third bit
+std::uint32_t spread_bits(std::uint32_t x) {
+  x = (x | x << 16) & 0x030000ffu;
+  x = (x | x << 8) & 0x0300f00fu;
+  x = (x | x << 4) & 0x030c30c3u;
+  return (x | x << 2) & 0x09249249u;
+}
+
+// vertices along a Morton curve through the bounding box
+std::vector<int> spatial_order(const Points& positions) {
+  if (positions.rows() == 0) return {};
+  const Eigen::RowVector3d low = positions.colwise().minCoeff();
+  const double extent = (positions.colwise().maxCoeff() - low).maxCoeff();
+  const double scale = extent > 0 ? 1023 / extent : 0;
+  std::vector<std::pair<std::uint32_t, int>> keyed(std::size_t(positions.rows()));
+  for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+    const Eigen::RowVector3d s = (positions.row(v) - low) * scale;
+    keyed[std::size_t(v)] = {spread_bits(std::uint32_t(s[0])) << 2 | spread_bits(std::uint32_t(s[1])) << 1 |
+                                 spread_bits(std::uint32_t(s[2])),
+                             int(v)};
+  }
+  tbb::parallel_sort(keyed.begin(), keyed.end());
+  std::vector<int> order;
+  order.reserve(keyed.size());
+  for (const auto& [key, v] : keyed) order.push_back(v);
+  return order;
+}
+
+// x, y, z and a fourth number that means nothing
+using Row = double __attribute__((vector_size(32)));
+
+Row load_row(const double* positions, int v, int last) {
+  const double* p = positions + 3 * std::ptrdiff_t(v);
+  Row row;
+  if (v < last)
+    std::memcpy(&row, p, sizeof row);  // reads into the next row
+  else
+    row = Row{p[0], p[1], p[2], 0};
+  return row;
+}
+
+Row turned(Row a) {  // (y, z, x)
+  return __builtin_shufflevector(a, a, 1, 2, 0, 3);
+}
+
 }  // namespace
 
 VertexFans make_vertex_fans(const TriangleMesh& mesh, double crease_degrees) {
   const FanBuilder builder(mesh, crease_degrees);
+  VertexFans fans;
+  fans.order = spatial_order(mesh.positions);
 
   // blocks of vertices in parallel, joined in order
   constexpr int block_size = 8192;
   const int num_vertices = int(mesh.num_vertices()), num_blocks = (num_vertices + block_size - 1) / block_size;
   std::vector<std::vector<int>> entries(num_blocks), sizes(num_blocks);
   tbb::parallel_for(0, num_blocks, [&](int b) {
-    builder.build(b * block_size, std::min(num_vertices, (b + 1) * block_size), entries[b], sizes[b]);
+    const int first = b * block_size, last = std::min(num_vertices, first + block_size);
+    builder.build(std::span(fans.order).subspan(std::size_t(first), std::size_t(last - first)), entries[b], sizes[b]);
   });
-  VertexFans fans;
   fans.offsets.reserve(std::size_t(num_vertices) + 1);
   fans.offsets.push_back(0);
   for (int b = 0; b < num_blocks; ++b) {
@@ -147,28 +199,30 @@ VertexFans make_vertex_fans(const TriangleMesh& mesh, double crease_degrees) {
 void compute_normals(const VertexFans& fans, const Points& positions, Eigen::Index first, Eigen::Index last,
                      Points& normals) {
   const double* x = positions.data();
-  for (Eigen::Index v = first; v < last; ++v) {
-    const double px = x[3 * v], py = x[3 * v + 1], pz = x[3 * v + 2];
-    double ax = 0, ay = 0, az = 0, nx = 0, ny = 0, nz = 0;
-    const int* end = fans.entries.data() + fans.offsets[v + 1];
-    for (const int* entry = fans.entries.data() + fans.offsets[v]; entry != end; ++entry) {
+  const int last_vertex = int(positions.rows()) - 1;
+  for (Eigen::Index i = first; i < last; ++i) {
+    const int v = fans.order[i];
+    const Row centre = load_row(x, v, last_vertex);
+    const int* end = fans.entries.data() + fans.offsets[i + 1];
+
+    // sum of cross products of the spokes, as (z, x, y)
+    Row spoke{}, turned_spoke{}, sum{};
+    for (const int* entry = fans.entries.data() + fans.offsets[i]; entry != end; ++entry) {
       const bool starts = *entry < 0;
-      const double* q = x + 3 * std::ptrdiff_t(starts ? ~*entry : *entry);
-      const double bx = q[0] - px, by = q[1] - py, bz = q[2] - pz;
-      if (!starts) {
-        nx += ay * bz - az * by;
-        ny += az * bx - ax * bz;
-        nz += ax * by - ay * bx;
-      }
-      ax = bx, ay = by, az = bz;
+      const Row next = load_row(x, starts ? ~*entry : *entry, last_vertex) - centre;
+      const Row turned_next = turned(next);
+      if (!starts) sum += spoke * turned_next - turned_spoke * next;
+      spoke = next;
+      turned_spoke = turned_next;
     }
+    const double nx = sum[1], ny = sum[2], nz = sum[0];
     const double length = std::sqrt(nx * nx + ny * ny + nz * nz);
     const bool sound = length > 0 && std::isfinite(length);
     const double inverse = sound ? 1 / length : 0;
-    double* n = normals.data() + 3 * v;
-    n[0] = nx * inverse;
+    double* n = normals.data() + 3 * std::ptrdiff_t(v);
+    n[0] = sound ? nx * inverse : 0;
     n[1] = sound ? ny * inverse : 1;
-    n[2] = nz * inverse;
+    n[2] = sound ? nz * inverse : 0;
   }
 }
 

@@ -14,13 +14,14 @@ namespace umax {
 /// Vertices that share a position share their triangles where these meet at less than crease_degrees, so that seams of
 /// texture coordinates and facets of STL files come out smooth while hard edges of split vertices stay hard.
 struct VertexFans {
+  std::vector<int> order;    // #V vertices along a space-filling curve
   std::vector<int> offsets;  // #V + 1
   std::vector<int> entries;
 };
 VertexFans make_vertex_fans(const TriangleMesh& mesh, double crease_degrees = 60);
 
-/// Unit normals of vertices [first, last); a vertex without area around it gets +Y. positions: #V x 3, normals: #V x 3,
-/// already sized. Independent of how the range is split.
+/// Unit normals of the vertices order[first] .. order[last - 1]; a vertex without area around it gets +Y. positions and
+/// normals: #V x 3, already sized. Independent of how the range is split.
 void compute_normals(const VertexFans& fans, const Points& positions, Eigen::Index first, Eigen::Index last,
                      Points& normals);
 

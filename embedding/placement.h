@@ -9,12 +9,12 @@
 namespace umax {
 
 struct Placement {
-  std::optional<double> unit;          // [m] length of one file unit; unset: 1
-  std::optional<std::string> up;       // "x", "y", "z" or with a sign, "-z"; unset: "y"
-  std::optional<double> height;        // [m] the placed bounding box is this tall
-  std::optional<double> scale;         // [-] uniform; ignored when height is given
-  Vector3d rotation_degrees{0, 0, 0};  // about world X, then Y, then Z
-  std::optional<Vector3d> position;    // [m] where the centre of the bounding box goes; unset: where it is
+  std::optional<double> unit = std::nullopt;        // [m] length of one file unit; unset: 1
+  std::optional<std::string> up = std::nullopt;     // "x", "y", "z" or with a sign, "-z"; unset: "y"
+  std::optional<double> height = std::nullopt;      // [m] the placed bounding box is this tall
+  std::optional<double> scale = std::nullopt;       // [-] uniform; ignored when height is given
+  Vector3d rotation_degrees{0, 0, 0};               // about world X, then Y, then Z
+  std::optional<Vector3d> position = std::nullopt;  // [m] where the centre of the bounding box goes; unset: where it is
 };
 
 /// Applies, in this order: unit, up axis to +Y, rotation, height or scale (about the world's origin), position. Turns

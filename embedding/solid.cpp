@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "embedding/topology.h"
 
@@ -75,9 +76,9 @@ std::vector<char> inside_by_winding(const ClosedSurface& surface, const PointGri
 
 }  // namespace
 
-Solid make_solid(const TriangleMesh& mesh, double voxel) {
+Solid make_solid(const TriangleMesh& mesh, ClosedSurface surface, double voxel) {
   Solid solid;
-  solid.surface = close_surface(mesh);
+  solid.surface = std::move(surface);
   solid.mesh_volume = std::abs(solid.surface.volume);
   solid.area = surface_area(mesh);
   note_faults(solid.surface, solid.notes);
@@ -92,7 +93,13 @@ Solid make_solid(const TriangleMesh& mesh, double voxel) {
                     winding_volume, solid.mesh_volume));
 
   constexpr double max_band_voxels = 3e7;
-  if (band_voxels(solid.area, voxel) > max_band_voxels) voxel = std::sqrt(8 * solid.area / max_band_voxels);
+  const double affordable_voxel = std::sqrt(band_voxels(solid.area, 1) / max_band_voxels);
+  if (affordable_voxel > 2 * voxel) {
+    solid.notes.push_back(
+        "the cells are too fine for a level set of the whole surface: the inside was found by winding numbers");
+    return solid;
+  }
+  voxel = std::max(voxel, affordable_voxel);
   const Vector3d low = mesh.positions.colwise().minCoeff();
   LevelSet level_set(mesh.positions, mesh.triangles, low, {.voxel = voxel});
   solid.level_set_volume = level_set.volume();

@@ -24,8 +24,9 @@ struct Solid {
   std::vector<std::string> notes;  // what was found and done; empty for a sound closed mesh
 };
 
-/// voxel [m]: of the level set; made larger, or the level set left out, where it would take too much memory.
-Solid make_solid(const TriangleMesh& mesh, double voxel);
+/// surface: close_surface(mesh). voxel [m]: of the level set; where it would take too much memory, larger ones up to
+/// twice that, or no level set at all.
+Solid make_solid(const TriangleMesh& mesh, ClosedSurface surface, double voxel);
 
 /// Points at origin + spacing * (i, j, k).
 struct PointGrid {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "embedding/cage_cells.h"
@@ -170,9 +170,19 @@ double intended_edge(const Shape& shape, const CageOptions& options) {
     return *edge;
   }
   const Vector3i& size = std::get<Vector3i>(options.size);
-  if (size.minCoeff() >= 1 && !options.whole_box) require_affordable(0.2 * size.cast<double>().prod() / 100, options);
-  if (options.whole_box) require_affordable(size.cast<double>().prod(), options);
-  return box_grid(shape, size).cell_size.maxCoeff();
+  const CageGrid grid = box_grid(shape, size);
+  const double largest = grid.cell_size.maxCoeff();
+  require_affordable(options.whole_box ? size.cast<double>().prod() : shape.volume / grid.cell_size.prod(), options);
+  require_affordable(0.4 * shape.estimated_cells(largest), options);
+  require_affordable(size.maxCoeff(), options);
+  return largest;
+}
+
+// [m] eight voxels of the level set to a cell's edge; fewer, down to four, where there are many cells
+double level_set_voxel(const Shape& shape, double edge) {
+  constexpr double many_band_voxels = 4e6;
+  const double fine = std::min(edge / 8, shape.extent().maxCoeff() / 64);
+  return std::max(fine, std::min(edge / 4, std::sqrt(8 * shape.area / many_band_voxels)));
 }
 
 void cover_every_vertex(const TriangleMesh& mesh, const CageGrid& grid, CageCells& cells) {
@@ -228,13 +238,12 @@ void report_connections(const Lattice& lattice, CageReport& report) {
 
 Lattice voxelize(const TriangleMesh& mesh, const CageOptions& options, CageReport* report) {
   Shape shape = measure(mesh);
-  const ClosedSurface surface = close_surface(mesh);
+  ClosedSurface surface = close_surface(mesh);
   shape.volume = std::abs(surface.volume);
   shape.area = surface_area(mesh);
 
-  // about eight voxels of the level set to a cell
   const double edge = intended_edge(shape, options);
-  const Solid solid = make_solid(mesh, std::min(edge / 8, shape.extent().maxCoeff() / 64));
+  const Solid solid = make_solid(mesh, std::move(surface), level_set_voxel(shape, edge));
   const CageSearch search(mesh, options, shape, solid);
   CageGrid grid;
   if (const int* wanted = std::get_if<int>(&options.size))
