@@ -13,6 +13,9 @@ namespace {
 // no surface vertex may end a step deeper than this share of the cell size
 constexpr double penetration_tolerance = 1e-3;
 constexpr Eigen::Index hexes_per_block = 64;
+constexpr int max_edge_intervals = 2000;
+// an obstacle's edge pushes within 60 degrees of its mean normal, not on sides that it merely runs through
+constexpr double edge_cone_cosine = 0.5;
 
 struct BoundingSphere {
   Vector3d centre;
@@ -40,7 +43,7 @@ AllowedDepth allowed_depth(const ContactStep& step, int obstacle, int hex, const
   const double depth =
       -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
   if (depth <= tolerance_depth(*step.model, hex)) return {0, std::max(0.0, depth)};
-  return {std::max(0.0, depth - step.recovery * step.model->bodies[step.model->hex_body[hex]].cell_size), 0};
+  return {std::max(0.0, depth - step.recovery[step.model->hex_body[hex]]), 0};
 }
 
 // distance of a vertex at the end of the step and the outward direction, in the world
@@ -75,7 +78,8 @@ bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, Vector3d& 
 }
 
 // phi(X(P)): rest distance of the material at P; moving the material by n moves phi by -|F^-T grad phi|
-EdgeHit edge_hit(const Model& model, const Matrix8x3d& nodes, int hex, const Vector3d& point) {
+EdgeHit edge_hit(const Model& model, const Matrix8x3d& nodes, int hex, const Vector3d& point,
+                 const Vector3d& edge_normal) {
   EdgeHit hit;
   Vector3d s;
   if (!invert_trilinear(nodes, point, s)) return hit;
@@ -87,6 +91,7 @@ EdgeHit edge_hit(const Model& model, const Matrix8x3d& nodes, int hex, const Vec
   const Matrix3d F = (nodes.transpose() * gradients) * (rest.transpose() * gradients).inverse();
   if (phi.distance >= 0 || F.determinant() <= 0) return hit;
   const Vector3d pulled = F.inverse().transpose() * phi.gradient;
+  if (-pulled.normalized().dot(edge_normal) < edge_cone_cosine) return hit;
   hit.inside = true;
   hit.weights = weights;
   hit.gap = phi.distance / pulled.norm();
@@ -108,31 +113,44 @@ void place_vertex_contact(const ContactStep& step, const Points& positions, Cont
   const DistanceSample sample = end_distance(step, contact.obstacle, position);
   const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.hex, contact.weights);
   contact.gap = sample.distance + allowed.deep + allowed.shallow;
+  contact.position = position;
   contact.normal = sample.gradient;
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, position);
 }
 
+// an obstacle's edge point at the end of the step
+struct WorldEdge {
+  Vector3d point, normal;
+};
+WorldEdge world_edge(const ContactStep& step, int obstacle, int k) {
+  const EdgePoints& edges = step.geometry->edges[obstacle];
+  const Pose& pose = step.poses_t1[obstacle];
+  return {pose.world(edges.positions.row(k).transpose()), pose.rotation * edges.normals.row(k).transpose()};
+}
+
 // an edge point that has left the body keeps its last place there, with its gap opened: its impulse will vanish
 void place_edge_contact(const ContactStep& step, const Points& positions, Contact& contact) {
-  const Vector3d point = step.poses_t1[contact.obstacle].world(
-      step.geometry->edge_points[contact.obstacle].row(-1 - contact.point).transpose());
-  const int body = step.model->hex_body[contact.hex];
-  const Model::BodyRange& range = step.model->bodies[body];
-  for (int hex = range.first_hex; hex < range.first_hex + range.num_hexes; ++hex) {
+  const WorldEdge edge = world_edge(step, contact.obstacle, -1 - contact.point);
+  const Model::BodyRange& range = step.model->bodies[step.model->hex_body[contact.hex]];
+  const auto place_in = [&](int hex) {
     const Matrix8x3d nodes = hex_nodes(*step.model, positions, hex);
     const BoundingSphere sphere = bounding_sphere(nodes);
-    if ((point - sphere.centre).norm() > sphere.radius) continue;
-    const EdgeHit hit = edge_hit(*step.model, nodes, hex, point);
-    if (!hit.inside) continue;
+    if ((edge.point - sphere.centre).norm() > sphere.radius) return false;
+    const EdgeHit hit = edge_hit(*step.model, nodes, hex, edge.point, edge.normal);
+    if (!hit.inside) return false;
     contact.hex = hex;
     contact.weights = hit.weights;
     contact.gap = hit.gap;
     contact.normal = hit.normal;
-    contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, point);
-    return;
-  }
+    contact.position = point;
+    return true;
+  };
+  contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, edge.point);
+  if (place_in(contact.hex)) return;
+  for (int hex = range.first_hex; hex < range.first_hex + range.num_hexes; ++hex)
+    if (place_in(hex)) return;
   const Vector3d material = embedded_position(*step.model, positions, contact.hex, contact.weights);
-  contact.gap = (material - point).dot(contact.normal);
+  contact.gap = (material - edge.point).dot(contact.normal);
 }
 
 void append(const ContactStep& step, const Points& positions, int point, int obstacle, int hex, const Vector8d& weights,
@@ -199,6 +217,31 @@ std::vector<Candidate> vertex_candidates(const ContactStep& step, const Points& 
   return all;
 }
 
+// the hex of a body that an edge point sticks in, if any
+bool edge_candidate(const ContactStep& step, const Points& positions, const Model::BodyRange& body,
+                    const std::vector<BoundingSphere>& spheres, const WorldEdge& edge, Candidate& candidate) {
+  for (int i = 0; i < body.num_hexes; ++i) {
+    if ((edge.point - spheres[i].centre).squaredNorm() > spheres[i].radius * spheres[i].radius) continue;
+    const int hex = body.first_hex + i;
+    const EdgeHit hit = edge_hit(*step.model, hex_nodes(*step.model, positions, hex), hex, edge.point, edge.normal);
+    if (!hit.inside) continue;
+    candidate.hex = hex;
+    candidate.gap = hit.gap;
+    return true;
+  }
+  return false;
+}
+
+void keep_deepest(const Candidate& candidate, std::vector<Candidate>& deepest) {
+  const auto same = std::find_if(deepest.begin(), deepest.end(), [&](const Candidate& c) {
+    return c.hex == candidate.hex && c.obstacle == candidate.obstacle;
+  });
+  if (same == deepest.end())
+    deepest.push_back(candidate);
+  else if (candidate.gap < same->gap)
+    *same = candidate;
+}
+
 // edge points of obstacles that stick in a body: the deepest per hex and obstacle
 std::vector<Candidate> edge_candidates(const ContactStep& step, const Points& positions, double share) {
   const Model& model = *step.model;
@@ -207,48 +250,59 @@ std::vector<Candidate> edge_candidates(const ContactStep& step, const Points& po
     if (!body.rest_distance) continue;
     const auto nodes = positions.middleRows(body.first_node, body.num_nodes);
     const Vector3d low = nodes.colwise().minCoeff().transpose(), high = nodes.colwise().maxCoeff().transpose();
-    for (int obstacle = 0; obstacle < int(model.obstacles.size()); ++obstacle) {
-      const Points& points = step.geometry->edge_points[obstacle];
-      for (int k = 0; k < int(points.rows()); ++k) {
-        const Vector3d point = step.poses_t1[obstacle].world(points.row(k).transpose());
-        if ((point.array() < low.array()).any() || (point.array() > high.array()).any()) continue;
-        for (int hex = body.first_hex; hex < body.first_hex + body.num_hexes; ++hex) {
-          const Matrix8x3d corners = hex_nodes(model, positions, hex);
-          const BoundingSphere sphere = bounding_sphere(corners);
-          if ((point - sphere.centre).squaredNorm() > sphere.radius * sphere.radius) continue;
-          const EdgeHit hit = edge_hit(model, corners, hex, point);
-          if (!hit.inside || hit.gap >= -share * tolerance_depth(model, hex)) continue;
-          const auto same = std::find_if(deepest.begin(), deepest.end(),
-                                         [&](const Candidate& c) { return c.hex == hex && c.obstacle == obstacle; });
-          if (same == deepest.end())
-            deepest.push_back({-1 - k, obstacle, hex, hit.gap});
-          else if (hit.gap < same->gap)
-            same->point = -1 - k, same->gap = hit.gap;
-          break;
-        }
+    std::vector<BoundingSphere> spheres;  // made when the first edge point comes near
+    for (int obstacle = 0; obstacle < int(model.obstacles.size()); ++obstacle)
+      for (int k = 0; k < int(step.geometry->edges[obstacle].positions.rows()); ++k) {
+        const WorldEdge edge = world_edge(step, obstacle, k);
+        if ((edge.point.array() < low.array()).any() || (edge.point.array() > high.array()).any()) continue;
+        if (spheres.empty())
+          for (int hex = body.first_hex; hex < body.first_hex + body.num_hexes; ++hex)
+            spheres.push_back(bounding_sphere(hex_nodes(model, positions, hex)));
+        Candidate candidate{-1 - k, obstacle, 0, 0};
+        if (edge_candidate(step, positions, body, spheres, edge, candidate) &&
+            candidate.gap < -share * tolerance_depth(model, candidate.hex))
+          keep_deepest(candidate, deepest);
       }
-    }
   }
   return deepest;
 }
 
-// corners and points along the 12 edges
-Points block_edge_points(const Block& block, double spacing) {
+// corners and points along the 12 edges, each with the mean normal of the faces that meet there
+EdgePoints block_edge_points(const Block& block, double spacing) {
   std::vector<Vector3d> points;
   for (int axis = 0; axis < 3; ++axis) {
-    const int intervals = std::clamp(int(std::ceil(2 * block.half_size[axis] / spacing)), 1, 400);
+    const int intervals = std::clamp(int(std::ceil(2 * block.half_size[axis] / spacing)), 1, max_edge_intervals);
     for (int edge = 0; edge < 4; ++edge)
       for (int i = axis == 0 ? 0 : 1; i <= intervals - (axis == 0 ? 0 : 1); ++i) {
         Vector3d point;
-        point[axis] = block.half_size[axis] * (2.0 * i / intervals - 1);
-        point[(axis + 1) % 3] = block.half_size[(axis + 1) % 3] * (edge & 1 ? 1 : -1);
-        point[(axis + 2) % 3] = block.half_size[(axis + 2) % 3] * (edge & 2 ? 1 : -1);
+        point[axis] = 2.0 * i / intervals - 1;
+        point[(axis + 1) % 3] = edge & 1 ? 1 : -1;
+        point[(axis + 2) % 3] = edge & 2 ? 1 : -1;
         points.push_back(point);
       }
   }
-  Points matrix(Eigen::Index(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) matrix.row(Eigen::Index(i)) = points[i].transpose();
-  return matrix;
+  EdgePoints edges{Points(Eigen::Index(points.size()), 3), Points(Eigen::Index(points.size()), 3)};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d faces = points[i].unaryExpr([](double v) { return std::abs(v) == 1 ? v : 0.0; });
+    edges.positions.row(Eigen::Index(i)) = points[i].cwiseProduct(block.half_size).transpose();
+    edges.normals.row(Eigen::Index(i)) = faces.normalized().transpose();
+  }
+  return edges;
+}
+
+// the sampled distance is rounded at edges: its gradient there is their mean normal
+EdgePoints mesh_edge_points(const MeshShape& mesh) {
+  EdgePoints edges{mesh.edge_points, Points(mesh.edge_points.rows(), 3)};
+  for (Eigen::Index i = 0; i < mesh.edge_points.rows(); ++i)
+    edges.normals.row(i) = signed_distance(*mesh.distance, mesh.edge_points.row(i).transpose()).gradient.transpose();
+  return edges;
+}
+
+// half the speed of a fall through one cell, or a small share of the speed of sound where nothing falls: gentle at any
+// scale
+double recovery_speed(const Model::BodyRange& body, double gravity, double time) {
+  const double sound = std::sqrt(body.material.young.at(time) / body.material.density);
+  return std::max(0.5 * std::sqrt(gravity * body.cell_size), 0.01 * sound);
 }
 
 }  // namespace
@@ -275,10 +329,10 @@ ContactGeometry make_contact_geometry(const Model& model) {
   double cell_size = std::numeric_limits<double>::infinity();
   for (const Model::BodyRange& body : model.bodies) cell_size = std::min(cell_size, body.cell_size);
   for (const Obstacle& obstacle : model.obstacles) {
-    Points points(0, 3);
-    if (const Block* block = std::get_if<Block>(&obstacle.shape)) points = block_edge_points(*block, cell_size / 6);
-    if (const MeshShape* mesh = std::get_if<MeshShape>(&obstacle.shape)) points = mesh->edge_points;
-    geometry.edge_points.push_back(points);
+    EdgePoints edges{Points(0, 3), Points(0, 3)};
+    if (const Block* block = std::get_if<Block>(&obstacle.shape)) edges = block_edge_points(*block, cell_size / 6);
+    if (const MeshShape* mesh = std::get_if<MeshShape>(&obstacle.shape)) edges = mesh_edge_points(*mesh);
+    geometry.edges.push_back(edges);
   }
   return geometry;
 }
@@ -293,10 +347,8 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
     step.poses_t0.push_back(pose_at(obstacle, time_t0));
     step.poses_t1.push_back(pose_at(obstacle, time_t0 + time_step));
   }
-  double cell_size = std::numeric_limits<double>::infinity();
-  for (const Model::BodyRange& body : model.bodies) cell_size = std::min(cell_size, body.cell_size);
-  // half the speed of a fall through one cell: gentle at any scale
-  step.recovery = std::max(0.5 * std::sqrt(gravity / cell_size), 0.5) * time_step;
+  for (const Model::BodyRange& body : model.bodies)
+    step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
   return step;
 }
 
@@ -306,6 +358,14 @@ void update_contacts(const ContactStep& step, const Points& positions, std::vect
       place_vertex_contact(step, positions, contact);
     else
       place_edge_contact(step, positions, contact);
+  }
+}
+
+void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
+  for (Contact& contact : contacts) {
+    const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
+    contact.gap += contact.normal.dot(position - contact.position);
+    contact.position = position;
   }
 }
 

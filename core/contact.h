@@ -23,14 +23,21 @@ struct Contact {
   double gap = 0;                               // [m] to be kept >= 0; see ContactStep::allowed_depth
   double friction = 0;                          // [-]
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
+  Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
   Vector3d impulse = Vector3d::Zero();          // [N s] world, on the body
+};
+
+/// Sample points along an obstacle's edges and corners, in its own frame.
+struct EdgePoints {
+  Points positions;  // #P x 3 [m]
+  Points normals;    // #P x 3 unit, mean of the faces that meet there
 };
 
 /// What detection needs that never changes during a run.
 struct ContactGeometry {
-  std::vector<int> hex_starts;      // #E + 1 into hex_points
-  std::vector<int> hex_points;      // surface vertices by hex
-  std::vector<Points> edge_points;  // per obstacle: its own frame [m]
+  std::vector<int> hex_starts;    // #E + 1 into hex_points
+  std::vector<int> hex_points;    // surface vertices by hex
+  std::vector<EdgePoints> edges;  // per obstacle
 };
 ContactGeometry make_contact_geometry(const Model& model);
 
@@ -40,7 +47,7 @@ struct ContactStep {
   const ContactGeometry* geometry = nullptr;
   std::vector<Pose> poses_t0, poses_t1;  // per obstacle
   Points positions_t0;                   // #N x 3 [m]
-  double recovery = 0;                   // [-] share of a cell by which a start in penetration is pushed out per step
+  std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
 };
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
                                double time_t0, double time_step, double gravity);
@@ -51,6 +58,10 @@ double tolerance_depth(const Model& model, int hex);
 
 /// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
 void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+
+/// Refreshes the gaps along the normals that the contacts have; normals and places stay. For iterations that would
+/// otherwise flip for ever between two faces at an edge: staying outside one face's plane is staying outside.
+void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
 
 /// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the
 /// set. share 0: every touching hex. Returns the number added.

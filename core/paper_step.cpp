@@ -94,7 +94,7 @@ void apply_remembered_impulses(PaperIterate& iterate) {
     iterate.velocity += iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) * iterate.contacts[i].impulse;
 }
 
-// contacts of obstacle edges slide through the material: their columns follow
+// contacts of obstacle edges slide through the material: their columns follow, and so does the effect of their impulses
 void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
     if (iterate.contacts[i].point >= 0) continue;
@@ -103,7 +103,9 @@ void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& chol
       spread(*problem.model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(axis));
     clear_fixed(*problem.model, columns);
     cholesky.solve(columns);
-    iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) = columns;
+    auto known = iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i));
+    iterate.velocity += (columns - known) * iterate.contacts[i].impulse;
+    known = columns;
   }
 }
 
@@ -160,23 +162,36 @@ MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const
   return W;
 }
 
-// Eq. 23 at the current velocity: contact impulses are totals, limit multipliers increments
+// Eq. 23 at the current velocity: contact impulses are totals, limit multipliers increments. Gaps and ratios were taken
+// at the positions; the velocity may have changed since (refresh_edge_columns).
 ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate& iterate,
-                                 const std::vector<int>& limits, MatrixXd W, const VectorXd& z) {
+                                 const std::vector<int>& limits, const std::vector<Vector24d>& rows, MatrixXd W,
+                                 const VectorXd& z) {
+  const Model& model = *problem.model;
   ComplementarityProblem lcp;
   const Eigen::Index num_contact_rows = 3 * Eigen::Index(iterate.contacts.size());
   lcp.num_limits = int(limits.size());
   lcp.q = VectorXd::Zero(W.rows());
   const Points velocity = unflatten(iterate.velocity);
+  const Points measured = (iterate.positions - problem.positions_t0) / problem.h;
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
     const Contact& contact = iterate.contacts[i];
-    const Vector3d relative =
-        embedded_position(*problem.model, velocity, contact.hex, contact.weights) - contact.obstacle_motion / problem.h;
-    lcp.q.segment<3>(3 * Eigen::Index(i)) = relative;
-    lcp.contacts.push_back({contact.normal, contact.friction, contact.gap / problem.h - contact.normal.dot(relative)});
+    const Vector3d obstacle_velocity = contact.obstacle_motion / problem.h;
+    const auto relative = [&](const Points& v) -> Vector3d {
+      return embedded_position(model, v, contact.hex, contact.weights) - obstacle_velocity;
+    };
+    lcp.q.segment<3>(3 * Eigen::Index(i)) = relative(velocity);
+    lcp.contacts.push_back(
+        {contact.normal, contact.friction, contact.gap / problem.h - contact.normal.dot(relative(measured))});
   }
-  for (std::size_t e = 0; e < limits.size(); ++e)
-    lcp.q[num_contact_rows + Eigen::Index(e)] = (1 - iterate.ratios[limits[e]]) / problem.h;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    double& q = lcp.q[num_contact_rows + Eigen::Index(i)];
+    q = (1 - iterate.ratios[limits[i]]) / problem.h;
+    for (int n = 0; n < 8; ++n) {
+      const int node = model.hexes(limits[i], n);
+      q += rows[i].segment<3>(3 * n).dot((velocity.row(node) - measured.row(node)).transpose());
+    }
+  }
   lcp.q -= W.leftCols(num_contact_rows) * z.head(num_contact_rows);
   lcp.W = std::move(W);
   return lcp;
@@ -199,7 +214,7 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
     z.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].impulse;
   const VectorXd before = z;
   const ComplementarityProblem lcp =
-      linearise(problem, iterate, limits, delassus(problem, iterate, limits, rows, limit_columns), z);
+      linearise(problem, iterate, limits, rows, delassus(problem, iterate, limits, rows, limit_columns), z);
   const SolverOptions& solver = problem.options->solver;
   const GaussSeidelResult result =
       gauss_seidel(lcp, {.max_sweeps = solver.max_sweeps, .tolerance = solver.sweep_tolerance}, z);
