@@ -15,14 +15,14 @@ struct Crop {
 };
 
 struct PathTraceOptions {
-  int width = 1280, height = 720;           // [px] of the whole picture
-  int samples = 64;                         // paths a pixel; powers of two are spread best
-  int bounces = 4;                          // [-] times that light may bounce between surfaces; 0: direct light only
-  unsigned seed = 1;                        // another seed, other noise
-  std::optional<Crop> crop;                 // trace only this part: the same values as in the whole picture
-  std::function<void(double)> on_progress;  // called with the done fraction, from one thread at a time
-  const std::atomic<bool>* stop = nullptr;  // becomes true: the rest of the picture stays black
-  RayRecording* recording = nullptr;        // receives every ray (for measurements; costs memory)
+  int width = 1280, height = 720;  // [px] of the whole picture
+  int samples = 64;                // paths a pixel; powers of two are spread best
+  int bounces = 4;                 // [-] times that light may bounce between surfaces; 0: direct light only
+  unsigned seed = 1;               // another seed, other noise
+  std::optional<Crop> crop = {};   // trace only this part: the same values as in the whole picture
+  std::function<void(double)> on_progress = {};  // called with the done fraction, from one thread at a time
+  const std::atomic<bool>* stop = nullptr;       // becomes true: the rest of the picture stays black
+  RayRecording* recording = nullptr;             // receives every ray (for measurements; costs memory)
 };
 
 /// A picture and what guides a filter. All of one size (the crop's, if any), all scene-linear.

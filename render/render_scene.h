@@ -21,7 +21,7 @@ struct Look {
   float metallic = 0;                     // [0, 1]
   float clearcoat = 0;                    // [0, 1]
   float clearcoat_roughness = 0.03f;
-  std::shared_ptr<const Image> texture;   // linear RGB, multiplies base_color where the mesh has texture coordinates
+  std::shared_ptr<const Image> texture = {};  // linear RGB, multiplies base_color where the mesh has texture coordinates
   bool vertex_colors = false;             // the mesh's colors replace base_color (heat maps, painted meshes)
 };
 
