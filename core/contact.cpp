@@ -54,16 +54,18 @@ DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3
   return sample;
 }
 
-// where an obstacle's edge point lies inside a hex, and how deep under the body's surface
+// an obstacle's edge point seen from the material of a hex
 struct EdgeHit {
-  bool inside = false;
   Vector8d weights = Vector8d::Zero();
-  double gap = 0;
+  double gap = 0;  // [m] negative under the body's surface
   Vector3d normal = Vector3d::UnitY();
 };
 
-// local coordinates s with sum_n N_n(s) x_n = point, by Newton's method; false if the point is not in the hex
-bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, Vector3d& s) {
+// a hex and this much of its size around it: trilinear maps continue there
+constexpr double own = 1 + 1e-9, around = 2;
+
+// local coordinates s with sum_n N_n(s) x_n = point, by Newton's method; false if |s| > reach
+bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, double reach, Vector3d& s) {
   s.setZero();
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Vector3d residual = nodes.transpose() * shape_functions(s) - point;
@@ -72,31 +74,27 @@ bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, Vector3d& 
     const Vector3d change = jacobian.inverse() * residual;
     s -= change;
     if (!(s.cwiseAbs().maxCoeff() < 4)) return false;
-    if (change.cwiseAbs().maxCoeff() < 1e-12) return s.cwiseAbs().maxCoeff() <= 1 + 1e-9;
+    if (change.cwiseAbs().maxCoeff() < 1e-12) return s.cwiseAbs().maxCoeff() <= reach;
   }
   return false;
 }
 
 // phi(X(P)): rest distance of the material at P; moving the material by n moves phi by -|F^-T grad phi|
-EdgeHit edge_hit(const Model& model, const Matrix8x3d& nodes, int hex, const Vector3d& point,
-                 const Vector3d& edge_normal) {
-  EdgeHit hit;
+bool edge_hit(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach, EdgeHit& hit) {
+  const Matrix8x3d nodes = hex_nodes(model, positions, hex);
   Vector3d s;
-  if (!invert_trilinear(nodes, point, s)) return hit;
-  const Model::BodyRange& body = model.bodies[model.hex_body[hex]];
-  const Vector8d weights = shape_functions(s);
+  if (!invert_trilinear(nodes, point, reach, s)) return false;
   const Matrix8x3d rest = hex_nodes(model, model.rest_positions, hex);
-  const DistanceSample phi = signed_distance(*body.rest_distance, rest.transpose() * weights);
+  hit.weights = shape_functions(s);
+  const SampledDistance& distance = *model.bodies[model.hex_body[hex]].rest_distance;
+  const DistanceSample phi = signed_distance(distance, rest.transpose() * hit.weights);
   const Matrix8x3d gradients = shape_gradients(s);
   const Matrix3d F = (nodes.transpose() * gradients) * (rest.transpose() * gradients).inverse();
-  if (phi.distance >= 0 || F.determinant() <= 0) return hit;
+  if (!(F.determinant() > 0)) return false;
   const Vector3d pulled = F.inverse().transpose() * phi.gradient;
-  if (-pulled.normalized().dot(edge_normal) < edge_cone_cosine) return hit;
-  hit.inside = true;
-  hit.weights = weights;
   hit.gap = phi.distance / pulled.norm();
   hit.normal = -pulled.normalized();
-  return hit;
+  return true;
 }
 
 Vector3d obstacle_point_motion(const ContactStep& step, int obstacle, const Vector3d& position_t1) {
@@ -128,29 +126,37 @@ WorldEdge world_edge(const ContactStep& step, int obstacle, int k) {
   return {pose.world(edges.positions.row(k).transpose()), pose.rotation * edges.normals.row(k).transpose()};
 }
 
-// an edge point that has left the body keeps its last place there, with its gap opened: its impulse will vanish
+// the hex of a body that holds a point; -1: none
+int holding_hex(const ContactStep& step, const Points& positions, const Model::BodyRange& body, const Vector3d& point,
+                EdgeHit& hit) {
+  for (int hex = body.first_hex; hex < body.first_hex + body.num_hexes; ++hex) {
+    const BoundingSphere sphere = bounding_sphere(hex_nodes(*step.model, positions, hex));
+    if ((point - sphere.centre).squaredNorm() > sphere.radius * sphere.radius) continue;
+    if (edge_hit(*step.model, positions, hex, point, own, hit)) return hex;
+  }
+  return -1;
+}
+
+// an edge point that has left the cage is still measured from the hex that it left
 void place_edge_contact(const ContactStep& step, const Points& positions, Contact& contact) {
   const WorldEdge edge = world_edge(step, contact.obstacle, -1 - contact.point);
-  const Model::BodyRange& range = step.model->bodies[step.model->hex_body[contact.hex]];
-  const auto place_in = [&](int hex) {
-    const Matrix8x3d nodes = hex_nodes(*step.model, positions, hex);
-    const BoundingSphere sphere = bounding_sphere(nodes);
-    if ((edge.point - sphere.centre).norm() > sphere.radius) return false;
-    const EdgeHit hit = edge_hit(*step.model, nodes, hex, edge.point, edge.normal);
-    if (!hit.inside) return false;
-    contact.hex = hex;
-    contact.weights = hit.weights;
-    contact.gap = hit.gap;
-    contact.normal = hit.normal;
-    contact.position = point;
-    return true;
-  };
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, edge.point);
-  if (place_in(contact.hex)) return;
-  for (int hex = range.first_hex; hex < range.first_hex + range.num_hexes; ++hex)
-    if (place_in(hex)) return;
-  const Vector3d material = embedded_position(*step.model, positions, contact.hex, contact.weights);
-  contact.gap = (material - edge.point).dot(contact.normal);
+  EdgeHit hit;
+  bool found = edge_hit(*step.model, positions, contact.hex, edge.point, own, hit);
+  if (!found) {
+    const int hex =
+        holding_hex(step, positions, step.model->bodies[step.model->hex_body[contact.hex]], edge.point, hit);
+    if (hex >= 0) contact.hex = hex;
+    found = hex >= 0 || edge_hit(*step.model, positions, contact.hex, edge.point, around, hit);
+  }
+  if (!found) {  // far away: the gap to where it last was
+    const Vector3d material = embedded_position(*step.model, positions, contact.hex, contact.weights);
+    contact.gap = (material - edge.point).dot(contact.normal);
+    return;
+  }
+  contact.weights = hit.weights;
+  contact.gap = hit.gap;
+  contact.normal = hit.normal;
 }
 
 void append(const ContactStep& step, const Points& positions, int point, int obstacle, int hex, const Vector8d& weights,
@@ -217,21 +223,6 @@ std::vector<Candidate> vertex_candidates(const ContactStep& step, const Points& 
   return all;
 }
 
-// the hex of a body that an edge point sticks in, if any
-bool edge_candidate(const ContactStep& step, const Points& positions, const Model::BodyRange& body,
-                    const std::vector<BoundingSphere>& spheres, const WorldEdge& edge, Candidate& candidate) {
-  for (int i = 0; i < body.num_hexes; ++i) {
-    if ((edge.point - spheres[i].centre).squaredNorm() > spheres[i].radius * spheres[i].radius) continue;
-    const int hex = body.first_hex + i;
-    const EdgeHit hit = edge_hit(*step.model, hex_nodes(*step.model, positions, hex), hex, edge.point, edge.normal);
-    if (!hit.inside) continue;
-    candidate.hex = hex;
-    candidate.gap = hit.gap;
-    return true;
-  }
-  return false;
-}
-
 void keep_deepest(const Candidate& candidate, std::vector<Candidate>& deepest) {
   const auto same = std::find_if(deepest.begin(), deepest.end(), [&](const Candidate& c) {
     return c.hex == candidate.hex && c.obstacle == candidate.obstacle;
@@ -250,18 +241,15 @@ std::vector<Candidate> edge_candidates(const ContactStep& step, const Points& po
     if (!body.rest_distance) continue;
     const auto nodes = positions.middleRows(body.first_node, body.num_nodes);
     const Vector3d low = nodes.colwise().minCoeff().transpose(), high = nodes.colwise().maxCoeff().transpose();
-    std::vector<BoundingSphere> spheres;  // made when the first edge point comes near
     for (int obstacle = 0; obstacle < int(model.obstacles.size()); ++obstacle)
       for (int k = 0; k < int(step.geometry->edges[obstacle].positions.rows()); ++k) {
         const WorldEdge edge = world_edge(step, obstacle, k);
         if ((edge.point.array() < low.array()).any() || (edge.point.array() > high.array()).any()) continue;
-        if (spheres.empty())
-          for (int hex = body.first_hex; hex < body.first_hex + body.num_hexes; ++hex)
-            spheres.push_back(bounding_sphere(hex_nodes(model, positions, hex)));
-        Candidate candidate{-1 - k, obstacle, 0, 0};
-        if (edge_candidate(step, positions, body, spheres, edge, candidate) &&
-            candidate.gap < -share * tolerance_depth(model, candidate.hex))
-          keep_deepest(candidate, deepest);
+        EdgeHit hit;
+        const int hex = holding_hex(step, positions, body, edge.point, hit);
+        if (hex >= 0 && hit.gap < -share * tolerance_depth(model, hex) &&
+            hit.normal.dot(edge.normal) >= edge_cone_cosine)
+          keep_deepest({-1 - k, obstacle, hex, hit.gap}, deepest);
       }
   }
   return deepest;

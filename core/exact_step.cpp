@@ -13,6 +13,7 @@ namespace {
 constexpr double relative_penalty = 1e4;   // rho / U_max
 constexpr double joining_share = 0.5;      // of the penetration tolerance: deeper vertices join the working set
 constexpr int max_contact_rounds = 10;     // detections per factorisation
+constexpr int normal_updates = 6;           // iterations after which contacts keep their normals
 constexpr double start_step_share = 0.05;  // of a cell: a larger last step means that the iteration still moves
 
 // the step's unknowns as they are improved, and what is known about them
@@ -262,7 +263,10 @@ StepReport exact_step(const StepProblem& problem, Workspace::Data& workspace, St
   Iterate iterate = start(problem, state);
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
-    update_contacts(problem.contact, iterate.positions, iterate.contacts);
+    if (report.sqp_iterations < normal_updates)
+      update_contacts(problem.contact, iterate.positions, iterate.contacts);
+    else
+      follow_contacts(problem.contact, iterate.positions, iterate.contacts);
     const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
     report.kkt_residual = quality.kkt;
