@@ -16,6 +16,8 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
+constexpr float occluder_light = 0.12f;  // what hides the sky sends on this share of it
+
 struct SurfacePoint {
   Vector3f world{0, 0, 0}, normal{0, 1, 0}, view{0, 0, 1};  // view: towards the eye
   Vector3f base{0.5f, 0.5f, 0.5f};
@@ -151,7 +153,7 @@ float add_sky(const Frame& frame, const ShadowMaps& maps, const SurfacePoint& p,
     if (n_l <= 0) continue;
     const Vector3f off = p.world + p.normal * (sample.texel * (1.5f + 2 * (1 - n_l)));
     const float lit = visibility(sample, &maps.sky[i * map_size], frame.sky_map_size, off);
-    sum.diffuse += sample.power * (n_l * lit);
+    sum.diffuse += sample.power * (n_l * (lit + occluder_light * (1 - lit)));
     open += n_l * lit;
     whole += n_l;
   }

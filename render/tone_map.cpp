@@ -11,7 +11,7 @@
 namespace umax {
 namespace {
 
-constexpr float mixing = 0.12f;     // share of the other channels that each receives before the curve
+constexpr float mixing = 0.10f;     // share of the other channels that each receives before the curve
 constexpr float mid_in = 0.18f;     // linear grey …
 constexpr float mid_out = 0.19f;    // … and what the screen shows for it, linear too
 constexpr float shoulder = 0.985f;  // d

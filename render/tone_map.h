@@ -18,9 +18,9 @@ enum class ToneCurve {
 struct ToneMapOptions {
   ToneCurve curve = ToneCurve::filmic;
   float exposure_stops = 0;  // [EV] the light is multiplied by 2^stops
-  float contrast = 1.28f;    // [-] a; more: darker shadows, steeper mid tones
+  float contrast = 1.32f;    // [-] a; more: darker shadows, steeper mid tones
   float white = 8.0f;        // [-] this linear value and all above become white; more: softer highlights
-  float saturation = 1.06f;  // [-] after the curve
+  float saturation = 1.12f;  // [-] after the curve
 };
 
 /// 8-bit sRGB of a scene-linear picture; alpha (a 4th channel) is kept. Deterministic, no dithering.

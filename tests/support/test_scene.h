@@ -61,9 +61,11 @@ inline TriangleMesh make_block(const Vector3d& center, const Vector3d& size) {
   TriangleMesh mesh;
   mesh.positions.resize(8, 3);
   for (int i = 0; i < 8; ++i)
-    mesh.positions.row(i) = (center + size.cwiseProduct(Vector3d(i & 1, i >> 1 & 1, i >> 2) - Vector3d(0.5, 0.5, 0.5))).transpose();
+    mesh.positions.row(i) =
+        (center + size.cwiseProduct(Vector3d(i & 1, i >> 1 & 1, i >> 2) - Vector3d(0.5, 0.5, 0.5))).transpose();
   mesh.triangles.resize(12, 3);
-  mesh.triangles << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
+  mesh.triangles << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5,
+      3, 7, 5;
   return mesh;
 }
 
@@ -98,14 +100,17 @@ inline AreaLight make_square_light(const Vector3f& position, const Vector3f& tar
 /// Glossy ball, clear-coated torus and matt block on a plane, under a softbox and a pale sky.
 inline RenderScene make_still_life() {
   RenderScene scene;
-  scene.objects.push_back(make_object("floor", make_floor(40), {.base_color = {0.42f, 0.42f, 0.43f}, .roughness = 0.6f}));
-  scene.objects.push_back(make_object("ball", make_ball({-0.75, 0.6, 0.1}, 0.6), {.base_color = {0.62f, 0.09f, 0.06f}, .roughness = 0.3f}));
+  scene.objects.push_back(
+      make_object("floor", make_floor(40), {.base_color = {0.42f, 0.42f, 0.43f}, .roughness = 0.6f}));
+  scene.objects.push_back(
+      make_object("ball", make_ball({-0.75, 0.6, 0.1}, 0.6), {.base_color = {0.62f, 0.09f, 0.06f}, .roughness = 0.3f}));
   scene.objects.push_back(make_object(
       "torus", make_torus({0.35, 0.18, 0.75}, 0.42, 0.18),
       {.base_color = {0.03f, 0.16f, 0.40f}, .roughness = 0.55f, .clearcoat = 1, .clearcoat_roughness = 0.08f}));
-  scene.objects.push_back(make_object("block", make_block({0.75, 0.55, -0.55}, {0.7, 1.1, 0.7}), {.base_color = {0.75f, 0.55f, 0.22f}, .roughness = 0.7f}));
-  scene.lights.push_back(make_square_light({2.5f, 4.0f, 2.5f}, {0, 0.5f, 0}, 1.6f, 420));
-  scene.sky = GradientSky{{0.62f, 0.66f, 0.72f}, {0.22f, 0.30f, 0.45f}, {0.3f, 0.3f, 0.3f}};
+  scene.objects.push_back(make_object("block", make_block({0.75, 0.55, -0.55}, {0.7, 1.1, 0.7}),
+                                      {.base_color = {0.75f, 0.55f, 0.22f}, .roughness = 0.7f}));
+  scene.lights.push_back(make_square_light({2.5f, 4.0f, 2.5f}, {0, 0.5f, 0}, 1.6f, 260));
+  scene.sky = GradientSky{{0.42f, 0.45f, 0.50f}, {0.14f, 0.19f, 0.30f}, {0.2f, 0.2f, 0.2f}};
   scene.camera = {.position = {0.4f, 1.7f, 4.6f}, .target = {0, 0.5f, 0}, .vertical_fov_degrees = 32};
   return scene;
 }

@@ -1,0 +1,37 @@
+// Words and bars on finished pictures: legends, labels, contact sheets.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/render_scene.h"
+#include "render/tone_map.h"
+
+namespace umax {
+
+/// Draws the colour bar of color_of_value() with title, ticks and numbers into the right edge of an RGB picture. A bar
+/// that ends at 1 shows the limit's red as a cap of its own.
+void draw_legend(Image8& image, const Legend& legend);
+
+struct LabelOptions {
+  float size = 0.04f;                   // [-] height of the letters, of the picture's height (at least 9 px)
+  Vector3f color{0.95f, 0.95f, 0.95f};  // sRGB [0, 1]
+  bool backed = true;                   // on a dark plate, readable on every picture
+};
+
+/// Writes one line of UTF-8 text; (x, y) in [0, 1] of width and height from the top left is where its upper left corner
+/// goes.
+void draw_label(Image8& image, const std::string& text, float x, float y, const LabelOptions& options = {});
+
+struct LabelledImage {
+  Image8 image;
+  std::string label;
+};
+
+/// Pictures of one size in rows of `columns` with their labels below, on a dark sheet.
+Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns);
+
+/// What the screen and the PNG get: the scene's exposure, the tone curve, and its legend.
+Image8 present(const Image& linear, const RenderScene& scene, ToneCurve curve = ToneCurve::filmic);
+
+}  // namespace umax
