@@ -120,6 +120,7 @@ bool is_sharp(const TriangleMesh& mesh, int t0, int t1, double min_cosine) {
 SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridOptions& options,
                                    std::vector<std::string>* notes) {
   constexpr int padding = 3;
+  constexpr double narrow_band = LevelSetOptions{}.band_voxels;
   if (mesh.num_triangles() == 0)
     throw Error(ExitCode::bad_data, {"distance grid", "needs a mesh with triangles", "none", "give another mesh"});
   if (options.max_samples_per_axis < 4 || options.max_samples_per_axis > 1024)
@@ -132,15 +133,17 @@ SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridO
     throw Error(ExitCode::bad_data, {"distance grid", "needs a mesh with an extent", "0 m", "give another mesh"});
   for (int axis = 0; axis < 3; ++axis)
     grid.size[axis] = int(std::ceil((high - low)[axis] / grid.spacing)) + 1 + 2 * padding;
-  grid.origin = 0.5 * (low + high) - 0.5 * grid.spacing * (grid.size - Vector3i::Ones()).cast<double>();
+  grid.origin = low - Vector3d::Constant(padding * grid.spacing);
 
-  // exact near the surface, then outwards and inwards from there
+  // right near the surface, then outwards and inwards from there
   const Solid solid = make_solid(mesh, close_surface(mesh), grid.spacing);
   if (notes) notes->insert(notes->end(), solid.notes.begin(), solid.notes.end());
-  const double band = std::max(3.0, options.band / grid.spacing);
-  const LevelSet near(mesh.positions, mesh.triangles, grid.origin,
-                      {.voxel = grid.spacing, .band_voxels = band, .is_signed = solid.level_set.has_value()});
-  grid.values = near.dense(grid.size);
+  const double band = std::max(narrow_band, options.band / grid.spacing);
+  const bool reuse = solid.level_set && band == narrow_band && solid.level_set->voxel() == grid.spacing;
+  grid.values = reuse ? solid.level_set->dense(Vector3i::Constant(-padding), grid.size)
+                      : LevelSet(mesh.positions, mesh.triangles, grid.origin,
+                                 {.voxel = grid.spacing, .band_voxels = band, .is_signed = solid.level_set.has_value()})
+                            .dense(Vector3i::Zero(), grid.size);
   const std::vector<char> inside = solid.level_set ? negative(grid.values) : inside_by_lines(solid, grid);
   spread_distances(float((band - 0.01) * grid.spacing), grid);
   for (std::size_t s = 0; s < inside.size(); ++s)

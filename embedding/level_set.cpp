@@ -78,8 +78,9 @@ std::vector<float> LevelSet::sample(const Points& points) const {
   return distances;
 }
 
-std::vector<float> LevelSet::dense(const Vector3i& size) const {
-  const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0), openvdb::Coord(size[0] - 1, size[1] - 1, size[2] - 1));
+std::vector<float> LevelSet::dense(const Vector3i& first, const Vector3i& size) const {
+  const Vector3i last = first + size - Vector3i::Ones();
+  const openvdb::CoordBBox box(openvdb::Coord(first[0], first[1], first[2]), openvdb::Coord(last[0], last[1], last[2]));
   const std::size_t num_values = std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]);
   std::vector<float> values(num_values);
   openvdb::tools::Dense<float, openvdb::tools::LayoutZYX> dense(box, values.data());

@@ -28,8 +28,8 @@ class LevelSet {
   double volume() const;
   /// Distance [m] at each point, trilinear, negative inside, cut off at the band.
   std::vector<float> sample(const Points& points) const;
-  /// Values [m] at origin + voxel * (i, j, k) for i, j, k < size; index (i * size.y + j) * size.z + k.
-  std::vector<float> dense(const Vector3i& size) const;
+  /// Values [m] at origin + voxel * (first + (i, j, k)) for i, j, k < size; index (i * size.y + j) * size.z + k.
+  std::vector<float> dense(const Vector3i& first, const Vector3i& size) const;
 
  private:
   struct Data;
