@@ -10,6 +10,7 @@ namespace umax {
 namespace {
 
 constexpr Eigen::Index hexes_per_block = 32;
+constexpr double negligible_motion = 1e-6;  // [cells] in a step: where nothing acts, rounding must not count
 
 double max_norm(const Model& model, const VectorXd& nodal) {
   double largest = 0;
@@ -35,6 +36,15 @@ double cone_residual(const StepProblem& problem, const Points& positions, const 
   const Vector3d friction =
       tangential - project_to_disc(tangential - stiffness * sliding, contact.friction * std::max(0.0, normal_force));
   return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
+}
+
+// what moves the heaviest node by the negligible distance
+double negligible_force(const StepProblem& problem) {
+  double largest = 0;
+  for (const Model::BodyRange& body : problem.model->bodies)
+    largest = std::max(largest, problem.model->node_mass.segment(body.first_node, body.num_nodes).maxCoeff() *
+                                    negligible_motion * body.cell_size / (problem.h * problem.h));
+  return largest;
 }
 
 }  // namespace
@@ -112,8 +122,7 @@ double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, co
   const VectorXd elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
   const VectorXd inertia = inertia_gradient(problem, positions);  // gravity included
   const double scale = std::max({max_norm(model, inertia + gravity), max_norm(model, elastic), max_norm(model, limit),
-                                 max_norm(model, contact), max_norm(model, gravity)});
-  if (!(scale > 0)) return 0;
+                                 max_norm(model, contact), max_norm(model, gravity), negligible_force(problem)});
   return std::max(max_norm(model, inertia + elastic + limit - contact), cone) / scale;
 }
 

@@ -30,8 +30,10 @@ VectorXd gather(const Model& model, const HexColumns& elements);
 /// too.
 VectorXd inertia_gradient(const StepProblem& problem, const Points& positions);
 
-/// The contract's kkt_residual at positions. limit_factors: #E [-], lambda/U_max of hard limits (or the barrier's
-/// slope).
+/// Stationarity of the positions for the exact step: max-norm of the gradient of the Lagrangian over the largest
+/// max-norm of its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone
+/// complementarity, scaled likewise. Forces that would move a node by less than a millionth of a cell count as none.
+/// limit_factors: #E [-], lambda/U_max of hard limits (or the barrier's slope).
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts);
 

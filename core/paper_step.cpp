@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/evaluation.h"
 #include "core/gauss_seidel.h"
 #include "core/parallel.h"
 
@@ -294,7 +295,10 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   state.limit_multipliers = iterate.multipliers / problem.h;
   report.contacts = int(iterate.contacts.size());
   report.limits_active = int((iterate.multipliers.array() > 0).count());
-  report.kkt_residual = kkt_residual(problem, state.positions, state.limit_multipliers, iterate.contacts);
+  Evaluation evaluation;
+  evaluate(problem, state.positions, evaluation);
+  report.kkt_residual = kkt_residual(problem, evaluation, state.positions,
+                                     state.limit_multipliers.cwiseQuotient(problem.limits), iterate.contacts);
   remember_contacts(iterate.contacts, state);
   return report;
 }

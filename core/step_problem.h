@@ -35,12 +35,6 @@ void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<
 /// U/U_max of every hex at the positions, rotations fresh; 0 where there is no limit.
 VectorXd energy_ratios(const StepProblem& problem, const Points& positions);
 
-/// Stationarity of x1 for the true, exact step: max-norm of the gradient of the Lagrangian over the largest max-norm of
-/// its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone complementarity, scaled
-/// likewise. multipliers: #E force-level [J].
-double kkt_residual(const StepProblem& problem, const Points& positions_t1, const VectorXd& multipliers,
-                    const std::vector<Contact>& contacts);
-
 /// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
 
