@@ -96,8 +96,8 @@ class Path {
     ray_ = camera_ray(tracer_.camera, float(x) + 0.5f + offset.x(), float(y) + 0.5f + offset.y(), lens);
     for (int bounce = 0; bounce <= tracer_.bounces; ++bounce) {
       const Hit hit = intersect();
-      add_emission(bounce == 0, hit);
-      if (!hit.found() || !scatter(hit, bounce)) return result_;
+      const bool ended = add_emission(bounce == 0, hit);
+      if (ended || !scatter(hit, bounce)) return result_;
     }
     add_last_emission();
     return result_;
@@ -116,19 +116,22 @@ class Path {
     return tracer_.rays.occluded(ray);
   }
 
-  // light that the ray itself meets: a rectangle in front of the surface, or the sky behind everything
-  void add_emission(bool from_camera, const Hit& hit) {
+  // Light that the ray itself meets: a rectangle in front of the surface, or the sky behind everything. True: nothing
+  // more to follow. Rectangles hide what is behind them from the camera only: shadow rays pass through them, too.
+  bool add_emission(bool from_camera, const Hit& hit) {
     if (!tracer_.lights.empty()) {
-      const auto met =
-          tracer_.lights.meet(ray_.origin, ray_.direction, hit.found() ? hit.distance : ray_.max_distance, from_camera);
+      const float free_path = hit.found() ? hit.distance : ray_.max_distance;
+      const auto met = tracer_.lights.meet(ray_.origin, ray_.direction, free_path, from_camera);
       if (met.light >= 0) add_rectangle(met, from_camera);
+      if (met.light >= 0 && from_camera) return true;
     }
-    if (hit.found()) return;
+    if (hit.found()) return false;
     if (from_camera) {
       result_.radiance += tracer_.backdrop ? *tracer_.backdrop : tracer_.sky.radiance(ray_.direction);
     } else {
       result_.radiance += throughput_.cwiseProduct(sky_seen());
     }
+    return true;
   }
 
   void add_rectangle(const RectangleLights::Met& met, bool from_camera) {
