@@ -6,8 +6,8 @@
 namespace umax::figure {
 namespace {
 
-const Vector3d skin_color(0.56, 0.215, 0.08), belly_color(0.80, 0.58, 0.36), plate_color(0.055, 0.115, 0.125);
-const Vector3d plate_rim_color(0.16, 0.24, 0.23), groove_color(0.018, 0.03, 0.035), ear_color(0.70, 0.24, 0.18);
+const Vector3d skin_color(0.56, 0.215, 0.08), belly_color(0.80, 0.58, 0.36), plate_color(0.05, 0.125, 0.13);
+const Vector3d plate_rim_color(0.24, 0.37, 0.35), groove_color(0.018, 0.03, 0.035), ear_color(0.70, 0.24, 0.18);
 const Vector3d nose_color(0.035, 0.018, 0.018), claw_color(0.75, 0.62, 0.45), mouth_color(0.16, 0.045, 0.03);
 const Vector3d blush_color(0.72, 0.20, 0.12), limb_color(0.36, 0.10, 0.038);
 
