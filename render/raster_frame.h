@@ -64,7 +64,7 @@ struct Frame {
 
   std::vector<KeyLight> key_lights;
   std::vector<LightSample> key_samples, sky_samples;
-  int key_map_size = 512, sky_map_size = 256;  // [px] of the shadow maps
+  int key_map_size = 512, sky_map_size = 160;  // [px] of the shadow maps
 
   Matrix4f clip_from_world = Matrix4f::Identity();
   Matrix4f world_from_clip = Matrix4f::Identity();

@@ -160,16 +160,16 @@ std::vector<Vector3f> hemisphere(int count, float up) {
 
 /// Shares the surroundings' light out among directions, each placed where its share comes from on average.
 void add_sky(const Image& surroundings, int count, const Focus& focus, Frame& frame) {
-  std::vector<Vector3f> directions = hemisphere(count - count / 4, 1);
-  for (const Vector3f& direction : hemisphere(count / 4, -1)) directions.push_back(direction);
+  std::vector<Vector3f> directions = hemisphere(count - count / 3, 1);
+  for (const Vector3f& direction : hemisphere(count / 3, -1)) directions.push_back(direction);
   std::vector<Vector3f> irradiance(directions.size(), Vector3f::Zero()), mean(directions.size(), Vector3f::Zero());
   for (int y = 0; y < surroundings.height; ++y) {
     for (int x = 0; x < surroundings.width; ++x) {
       const Vector3f d = direction_of_latlong((float(x) + 0.5f) / float(surroundings.width),
                                               (float(y) + 0.5f) / float(surroundings.height));
       // the nearest direction of the same hemisphere
-      std::size_t nearest = d[1] > 0 ? 0 : std::size_t(count - count / 4);
-      const std::size_t end = d[1] > 0 ? nearest + std::size_t(count - count / 4) : directions.size();
+      std::size_t nearest = d[1] > 0 ? 0 : std::size_t(count - count / 3);
+      const std::size_t end = d[1] > 0 ? nearest + std::size_t(count - count / 3) : directions.size();
       for (std::size_t i = nearest + 1; i < end; ++i)
         if (directions[i].dot(d) > directions[nearest].dot(d)) nearest = i;
       const Vector3f arriving = Eigen::Map<const Vector3f>(surroundings.pixel(x, y)) * solid_angle(surroundings, y);

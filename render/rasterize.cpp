@@ -163,7 +163,8 @@ Arrangement arrange(const RenderScene& scene) {
     result.ground = {true, box.center()[1], base_color(object, 0)};
     // a wide plane fades into the horizon; a small one ends where it ends
     if (half > 6 * result.focus.radius)
-      result.fade = {box.center()[0], box.center()[2], 3 * result.focus.radius, 0.8f * half};
+      result.fade = {box.center()[0], box.center()[2], 1.5f * result.focus.radius,
+                     std::min(14 * result.focus.radius, 0.9f * half)};
   }
   return result;
 }
