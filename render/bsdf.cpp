@@ -26,13 +26,6 @@ float smith_root(float alpha, float cosine) {
   return std::sqrt(alpha2 + (1 - alpha2) * cosine * cosine);
 }
 
-// density of microfacet normals; from the sine, which keeps its digits where the lobe is narrow
-float facet_density(float alpha, const Vector3f& half) {
-  const float alpha2 = alpha * alpha;
-  const float t = (half.x() * half.x() + half.y() * half.y()) / alpha2 + half.z() * half.z();
-  return inverse_pi / (alpha2 * t * t);
-}
-
 Vector3f sample_visible_normal(float alpha, const Vector3f& to_viewer, const Vector2f& u) {
   // a cap of the sphere, seen by the stretched view direction
   const Vector3f stretched = Vector3f(alpha * to_viewer.x(), alpha * to_viewer.y(), to_viewer.z()).normalized();
@@ -49,14 +42,19 @@ struct LobeValue {
   float fresnel;  // (1 - c)^5
 };
 
-LobeValue evaluate_lobe(float alpha, const Vector3f& to_viewer, const Vector3f& to_light) {
-  const Vector3f half = (to_viewer + to_light).normalized();
-  const float facets = facet_density(alpha, half);
-  const float root_viewer = smith_root(alpha, to_viewer.z()), root_light = smith_root(alpha, to_light.z());
-  const float visibility = 0.5f / (to_light.z() * root_viewer + to_viewer.z() * root_light);
+LobeValue evaluate_lobe(const Bsdf::Lobe& lobe, const Vector3f& to_viewer, const Vector3f& to_light) {
+  // the half vector, not normalised: its length is twice the cosine between it and either direction
+  const Vector3f half = to_viewer + to_light;
+  const float alpha2 = lobe.alpha * lobe.alpha, length2 = half.squaredNorm();
+  // density of microfacet normals, from the sine, which keeps its digits where the lobe is narrow
+  const float flat2 = half.x() * half.x() + half.y() * half.y();
+  const float t = flat2 + alpha2 * half.z() * half.z();
+  const float facets = inverse_pi * alpha2 * length2 * length2 / (t * t);
+  const float root_light = smith_root(lobe.alpha, to_light.z());
+  const float visibility = 0.5f / (to_light.z() * lobe.root_viewer + to_viewer.z() * root_light);
   return {.scale = facets * visibility * to_light.z(),
-          .density = facets / (2 * (to_viewer.z() + root_viewer)),
-          .fresnel = power5(std::max(0.0f, 1 - half.dot(to_light)))};
+          .density = facets * lobe.density_scale,
+          .fresnel = power5(std::max(0.0f, 1 - 0.5f * std::sqrt(length2)))};
 }
 
 Vector3f reflect(const Vector3f& direction, const Vector3f& normal) {
@@ -86,10 +84,15 @@ float compensation(float f0, float single_bounce) {
   return 1 + f0 * (1 - single_bounce) / single_bounce;
 }
 
+Bsdf::Lobe make_lobe(float alpha, float cosine_viewer) {
+  const float root = smith_root(alpha, cosine_viewer);
+  return {.alpha = alpha, .root_viewer = root, .density_scale = 0.5f / (cosine_viewer + root)};
+}
+
 }  // namespace
 
 GlossyAlbedo::GlossyAlbedo(float alpha) {
-  constexpr int num_samples = 256;
+  constexpr int num_samples = 128;
   const SampleSequence sequence(num_samples, 7);
   for (int i = 0; i < num_nodes; ++i) {
     // nodes are denser towards grazing angles
@@ -145,14 +148,14 @@ BsdfLook make_bsdf_look(const Look& look, const std::string& where) {
 Bsdf make_bsdf(const BsdfLook& look, const Vector3f& base_color, const Vector3f& to_viewer) {
   Bsdf bsdf;
   bsdf.to_viewer = to_viewer;
-  bsdf.alpha = look.alpha;
-  bsdf.coat_alpha = look.coat_alpha;
+  bsdf.glossy_lobe = make_lobe(look.alpha, to_viewer.z());
   const GlossyAlbedo::Value e = look.albedo.at(to_viewer.z());
   // the coat comes first, the rest shares what it lets through
   float coat_albedo = 0;
   if (look.coat > 0) {
     constexpr float coat_f0 = 0.04f;
     const GlossyAlbedo::Value c = look.coat_albedo.at(to_viewer.z());
+    bsdf.coat_lobe = make_lobe(look.coat_alpha, to_viewer.z());
     bsdf.coat = look.coat * compensation(coat_f0, c.a);
     coat_albedo = bsdf.coat * (coat_f0 * c.a + (1 - coat_f0) * c.b);
   }
@@ -189,11 +192,11 @@ BsdfValue evaluate_bsdf(const Bsdf& bsdf, const Vector3f& to_light) {
   const float cosine_over_pi = to_light.z() * inverse_pi;
   result.value = bsdf.diffuse * cosine_over_pi;
   result.density = bsdf.choose_diffuse * cosine_over_pi;
-  const LobeValue glossy = evaluate_lobe(bsdf.alpha, bsdf.to_viewer, to_light);
+  const LobeValue glossy = evaluate_lobe(bsdf.glossy_lobe, bsdf.to_viewer, to_light);
   result.value += glossy.scale * (bsdf.glossy_a + glossy.fresnel * bsdf.glossy_b);
   result.density += bsdf.choose_glossy * glossy.density;
   if (bsdf.coat > 0) {
-    const LobeValue coat = evaluate_lobe(bsdf.coat_alpha, bsdf.to_viewer, to_light);
+    const LobeValue coat = evaluate_lobe(bsdf.coat_lobe, bsdf.to_viewer, to_light);
     result.value.array() += coat.scale * bsdf.coat * (0.04f + 0.96f * coat.fresnel);
     result.density += (1 - bsdf.choose_diffuse - bsdf.choose_glossy) * coat.density;
   }
@@ -212,7 +215,8 @@ BsdfSample sample_bsdf(const Bsdf& bsdf, const Vector2f& u) {
                             : glossy         ? rest / bsdf.choose_glossy
                                              : (rest - bsdf.choose_glossy) / (share - bsdf.choose_glossy);
     const Vector2f again(std::min(stretched, 0.99999994f), u.y());
-    const Vector3f half = sample_visible_normal(glossy ? bsdf.alpha : bsdf.coat_alpha, bsdf.to_viewer, again);
+    const Vector3f half =
+        sample_visible_normal(glossy ? bsdf.glossy_lobe.alpha : bsdf.coat_lobe.alpha, bsdf.to_viewer, again);
     sample.to_light = reflect(bsdf.to_viewer, half);
     if (!(sample.to_light.z() > 1e-6f)) return sample;
   }

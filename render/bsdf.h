@@ -41,11 +41,15 @@ BsdfLook make_bsdf_look(const Look& look, const std::string& where);
 
 /// The look at one point, seen from one direction.
 struct Bsdf {
+  struct Lobe {
+    float alpha = 0.25f;
+    float root_viewer = 1, density_scale = 0.25f;  // of Smith's shadowing, for the view direction
+  };
   Vector3f to_viewer;           // local, unit, z > 0
   Vector3f diffuse;             // reflectance of the base
   Vector3f glossy_a, glossy_b;  // Fresnel term glossy_a + glossy_b (1 - c)^5, all scales included
   float coat = 0;               // scale of the coat's lobe
-  float alpha = 0.25f, coat_alpha = 1e-3f;
+  Lobe glossy_lobe, coat_lobe;
   float choose_diffuse = 1, choose_glossy = 0;  // probabilities; the rest goes to the coat
   Vector3f albedo;                              // reflectance in all, towards the viewer
 };

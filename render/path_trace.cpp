@@ -157,7 +157,7 @@ class Path {
       if (!blocked(ray)) add_rectangle(met, false);
       ray.max_distance = std::numeric_limits<float>::infinity();
     }
-    if (!blocked(ray)) result_.radiance += sky;
+    if (sky.maxCoeff() > 0 && !blocked(ray)) result_.radiance += sky;
   }
 
   // gathers light at a surface and turns the ray; false: the path ends here

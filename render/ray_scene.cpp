@@ -267,7 +267,9 @@ SurfacePoint RayScene::surface(const Hit& hit, const Vector3f& ray_direction) co
   const float w = 1 - hit.u - hit.v;
   SurfacePoint point;
   point.position = w * pa + hit.u * pb + hit.v * pc;
-  Vector3f normal = (pb - pa).cross(pc - pa).stableNormalized();
+  Vector3f normal = (pb - pa).cross(pc - pa);
+  const float twice_area = normal.norm();
+  normal = twice_area > 1e-18f ? Vector3f(normal / twice_area) : normal.stableNormalized();
   const bool flipped = normal.dot(ray_direction) > 0;
   if (flipped) normal = -normal;
   point.geometric_normal = point.normal = normal;

@@ -21,8 +21,9 @@ struct Look {
   float metallic = 0;                     // [0, 1]
   float clearcoat = 0;                    // [0, 1]
   float clearcoat_roughness = 0.03f;
-  std::shared_ptr<const Image> texture = {};  // linear RGB, multiplies base_color where the mesh has texture coordinates
-  bool vertex_colors = false;             // the mesh's colors replace base_color (heat maps, painted meshes)
+  std::shared_ptr<const Image> texture =
+      {};                      // linear RGB, multiplies base_color where the mesh has texture coordinates
+  bool vertex_colors = false;  // the mesh's colors replace base_color (heat maps, painted meshes)
 };
 
 struct RenderObject {
@@ -44,8 +45,8 @@ struct ConstantSky {
 struct DaylightSky {
   Vector3f sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, normalised by the renderer
   float turbidity = 3;
-  float intensity = 1;                        // scales sky and sun
-  float sun_size_degrees = 0.53f;             // angular diameter; larger softens shadows
+  float intensity = 1;             // scales sky and sun
+  float sun_size_degrees = 0.53f;  // angular diameter; larger softens shadows
 };
 /// Latitude-longitude picture: row 0 is +Y, u = 0 looks along +Z, u = 0.25 along +X.
 struct EnvironmentMap {
@@ -62,8 +63,8 @@ using Sky = std::variant<ConstantSky, GradientSky, DaylightSky, EnvironmentMap>;
 struct Camera {
   Vector3f position{0, 1.6f, 5.5f}, target{0, 0.9f, 0}, up{0, 1, 0};
   float vertical_fov_degrees = 35;
-  float aperture_radius = 0;   // [m] thin lens; 0: pinhole
-  float focus_distance = 0;    // [m]; 0: the target's
+  float aperture_radius = 0;  // [m] thin lens; 0: pinhole
+  float focus_distance = 0;   // [m]; 0: the target's
 };
 
 /// Line segments drawn over the rasteriser's picture (the cage).

@@ -7,13 +7,6 @@
 namespace umax {
 namespace {
 
-std::uint32_t reverse_bits(std::uint32_t v) {
-  v = __builtin_bswap32(v);
-  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
-  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
-  return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
-}
-
 // hash in which a bit depends on itself and lower bits only: on reversed bits this is an Owen scrambling
 // [Laine, Karras 2011], constants of [Vegdahl 2021, "Building a better LK hash"]
 std::uint32_t scramble_upwards(std::uint32_t v, std::uint32_t key) {
@@ -71,9 +64,9 @@ std::uint32_t SampleSequence::block_key(int x, int y) const {
   return column == 0 && row == 0 ? 0 : hash_bits(seed_ ^ hash_bits(column + 0x10001u * row));
 }
 
-Vector2f SampleSequence::point(std::uint32_t index, int dimension, std::uint32_t block_key) const {
+Vector2f SampleSequence::point_reversed(std::uint32_t reversed_index, int dimension, std::uint32_t block_key) const {
   const Keys& keys = keys_[dimension % max_dimensions];
-  const std::uint32_t shuffled = reverse_bits(scramble_upwards(reverse_bits(index), keys.shuffle ^ block_key));
+  const std::uint32_t shuffled = reverse_bits(scramble_upwards(reversed_index, keys.shuffle ^ block_key));
   const std::uint32_t first = scramble_upwards(shuffled, keys.first ^ block_key);
   const std::uint32_t second = scramble_upwards(pascal_product(shuffled), keys.second ^ block_key);
   return {unit_float(reverse_bits(first)), unit_float(reverse_bits(second))};
@@ -145,7 +138,7 @@ PixelFilter::PixelFilter() {
   for (int i = 0; i < num_entries; ++i) {
     const double target = integral(1) * i / (num_entries - 1);
     double low = t, high = 1;
-    for (int step = 0; step < 50; ++step) (integral((low + high) / 2) < target ? low : high) = (low + high) / 2;
+    for (int step = 0; step < 24; ++step) (integral((low + high) / 2) < target ? low : high) = (low + high) / 2;
     t = low;
     inverse_[i] = float(width * ((low + high) / 2 - 0.5));
   }

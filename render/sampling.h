@@ -17,6 +17,13 @@
 
 namespace umax {
 
+inline std::uint32_t reverse_bits(std::uint32_t v) {
+  v = __builtin_bswap32(v);
+  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
+  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
+  return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
+}
+
 /// Scrambling keys of one picture; shared by all pixels. Depends on seed and number of samples only.
 class SampleSequence {
  public:
@@ -29,7 +36,11 @@ class SampleSequence {
   /// Key that tells blocks of pixels apart where the index has no room for the whole picture.
   std::uint32_t block_key(int x, int y) const;
   /// The point [0, 1)^2 of a pair of dimensions at an index of the sequence.
-  Vector2f point(std::uint32_t index, int dimension, std::uint32_t block_key) const;
+  Vector2f point(std::uint32_t index, int dimension, std::uint32_t block_key) const {
+    return point_reversed(reverse_bits(index), dimension, block_key);
+  }
+  /// The same from the index with its bits reversed.
+  Vector2f point_reversed(std::uint32_t reversed_index, int dimension, std::uint32_t block_key) const;
 
  private:
   struct Keys {
@@ -46,16 +57,16 @@ class PathSampler {
   PathSampler(const SampleSequence& sequence, int x, int y)
       : sequence_(&sequence), start_(sequence.pixel_start(x, y)), block_key_(sequence.block_key(x, y)) {}
   void begin_path(int sample) {
-    index_ = start_ + std::uint32_t(sample);
+    reversed_index_ = reverse_bits(start_ + std::uint32_t(sample));
     dimension_ = 0;
   }
   /// Later calls count from here: a vertex of the path owns its dimensions whatever was drawn before.
   void seek(int dimension) { dimension_ = dimension; }
-  Vector2f next() { return sequence_->point(index_, dimension_++, block_key_); }
+  Vector2f next() { return sequence_->point_reversed(reversed_index_, dimension_++, block_key_); }
 
  private:
   const SampleSequence* sequence_;
-  std::uint32_t start_, block_key_, index_ = 0;
+  std::uint32_t start_, block_key_, reversed_index_ = 0;
   int dimension_ = 0;
 };
 
