@@ -130,6 +130,7 @@ class Grammar {
     add("--stretch", "PERCENT", o.stretch, "drop", "most that any hex may stretch (default: 20%)");
     add("--max-flip", "X", o.max_flip, "compare", "largest mean FLIP that passes (default: 0.02)")
         ->check(CLI::Range(0.0, 1.0));
+    add("--report", "FILE", o.report, "compare", "write an HTML page with both pictures and their difference");
     add_flag("--json", o.json, "inspect", "print one JSON object");
   }
 

@@ -148,10 +148,10 @@ void require_same_run(const RunFolder& folder, const Simulation& simulation) {
 int do_job(const Job& job, const Options& options) {
   const ThreadLimit threads(options.threads);
   Progress progress(stdout, options.progress, options.quiet);
-  check_before_start(job);
   const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
   const std::vector<int> frames =
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
+  check_before_start(job);
 
   const Simulation simulation = set_up(job.scene);
   for (const std::string& warning : simulation.warnings) progress.warning(warning);

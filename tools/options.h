@@ -34,7 +34,8 @@ struct Options {
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
 
-  std::optional<double> max_flip;  // compare
+  std::optional<std::string> report;  // compare: a page to write
+  std::optional<double> max_flip;     // compare
 
   ExistingFolder existing_folder() const {
     return overwrite ? ExistingFolder::overwrite : resume ? ExistingFolder::keep : ExistingFolder::refuse;

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "render/annotate.h"
 #include "render/denoise.h"
 #include "render/image_io.h"
 #include "render/path_trace.h"
 #include "render/rasterize.h"
-#include "render/tone_map.h"
 #include "tools/signals.h"
 
 namespace umax {
@@ -63,7 +63,7 @@ bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
     std::filesystem::path exr = png;
     write_exr(exr.replace_extension(".exr"), layers);
   }
-  write_png(png, tone_map(layers.front().image, {.exposure_stops = float(render_.exposure_stops)}));
+  write_png(png, present(layers.front().image, shot));
   return true;
 }
 

@@ -125,7 +125,7 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   scene.description = path.filename().string() + " falls on the ground";
   scene.bodies.push_back(body);
   // small things fall through their own height in less time: the steps shrink with the square root of the size
-  scene.clip.substeps = std::max(1, int(std::lround(std::sqrt(reference_height / height))));
+  scene.clip.substeps = std::max(1, int(std::ceil(std::sqrt(reference_height / height) - 0.05)));
   add_studio(scene, height, 0);
   return parse_scene({.text = resolved_toml(scene),
                       .file = "(made for " + path.filename().string() + ")",

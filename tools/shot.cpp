@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "embedding/shapes.h"
+#include "render/colormap.h"
 #include "render/image_io.h"
 
 namespace umax {
@@ -63,22 +64,6 @@ VectorXd node_ratios(const Model& model, const VectorXd& ratios) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-/// Linear Rec. 709 colour of a value in [0, 1]: dark blue over green to yellow, red beyond.
-Vector3f map_color(double value) {
-  constexpr std::array<std::array<float, 3>, 5> stops{{{0.02f, 0.01f, 0.15f},
-                                                       {0.03f, 0.12f, 0.30f},
-                                                       {0.02f, 0.33f, 0.27f},
-                                                       {0.25f, 0.62f, 0.10f},
-                                                       {0.98f, 0.80f, 0.02f}}};
-  if (value > 1.01) return {0.9f, 0.02f, 0.02f};
-  const double place = std::clamp(value, 0.0, 1.0) * (stops.size() - 1);
-  const std::size_t low = std::min(std::size_t(place), stops.size() - 2);
-  const float share = float(place - double(low));
-  Vector3f color;
-  for (std::size_t c = 0; c < 3; ++c) color[Eigen::Index(c)] = stops[low][c] * (1 - share) + stops[low + 1][c] * share;
-  return color;
-}
-
 /// Heat-map colours of a body's vertices.
 Points heat_colors(const BodySetup& body, const VectorXd& ratios_at_nodes) {
   const EmbeddedPoints& points = body.embedding.points;
@@ -87,7 +72,7 @@ Points heat_colors(const BodySetup& body, const VectorXd& ratios_at_nodes) {
     double ratio = 0;
     for (int i = 0; i < 8; ++i)
       ratio += points.weights(p, i) * ratios_at_nodes[body.first_node + body.lattice.hexes(points.hex[p], i)];
-    colors.row(p) = map_color(ratio).cast<double>().transpose();
+    colors.row(p) = color_of_value(ratio).cast<double>().transpose();
   }
   return colors;
 }

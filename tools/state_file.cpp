@@ -16,12 +16,19 @@ constexpr std::string_view magic = "UMAXSTAT";
 constexpr std::uint32_t version = 1;
 constexpr std::size_t digest_size = 64, header_size = 8 + 4 + 4 + digest_size;
 
+// Structures are taken apart by structured bindings with all their members: one that is added and forgotten here does
+// not compile.
+
 /// Values one after another, as the bytes that they have in memory.
 class Writer {
  public:
   template <class T>
   void put(T value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class... T>
+  void put_all(T... values) {
+    (put(values), ...);
   }
   void put_bytes(const void* values, std::size_t count) { bytes.append(static_cast<const char*>(values), count); }
   /// Number of rows, then the values.
@@ -73,27 +80,48 @@ void add_shape(Writer& out, const MeshShape& mesh) {
   out.put_matrix(mesh.edge_points);
 }
 
+void add_material(Writer& out, const MaterialOptions& material) {
+  const auto& [young, poisson, density, mass, damping_mass, damping_stiffness] = material;
+  add_track(out, young);
+  out.put_all(poisson, density, mass, damping_mass, damping_stiffness);
+}
+
+void add_limit(Writer& out, const EnergyLimitOptions& limit) {
+  const auto& [kind, unit, value] = limit;
+  out.put_all(kind, unit);
+  add_track(out, value);
+}
+
 void add_body(Writer& out, const Model::BodyRange& body) {
-  for (const int number :
-       {body.first_node, body.num_nodes, body.first_hex, body.num_hexes, body.first_point, body.num_points})
-    out.put(number);
-  add_track(out, body.material.young);
-  for (const double value : {body.material.poisson, body.material.density, body.material.damping_mass,
-                             body.material.damping_stiffness, body.friction})
-    out.put(value);
-  out.put(body.material.mass);
-  out.put(body.limit.kind);
-  out.put(body.limit.unit);
-  add_track(out, body.limit.value);
-  add_distance(out, body.rest_distance.get());
+  const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, friction,
+               cell_size, rest_distance] = body;
+  out.put_bytes(name.data(), name.size());
+  out.put_all(first_node, num_nodes, first_hex, num_hexes, first_point, num_points);
+  add_material(out, material);
+  add_limit(out, limit);
+  out.put_all(friction, cell_size);
+  add_distance(out, rest_distance.get());
 }
 
 void add_obstacle(Writer& out, const Obstacle& obstacle) {
-  out.put(std::uint64_t(obstacle.shape.index()));
-  std::visit([&](const auto& shape) { add_shape(out, shape); }, obstacle.shape);
-  out.put(obstacle.friction);
-  add_track(out, obstacle.position);
-  add_track(out, obstacle.rotation_degrees);
+  const auto& [name, shape, friction, position, rotation_degrees] = obstacle;
+  out.put_bytes(name.data(), name.size());
+  out.put(std::uint64_t(shape.index()));
+  std::visit([&out](const auto& kind) { add_shape(out, kind); }, shape);
+  out.put(friction);
+  add_track(out, position);
+  add_track(out, rotation_degrees);
+}
+
+void add_options(Writer& out, const StepOptions& options) {
+  const auto& [time_step, gravity, solver, on_iteration] = options;
+  static_cast<void>(on_iteration);  // watches, changes nothing
+  out.put(time_step);
+  out.put_matrix(gravity);
+  const auto& [method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations, max_halvings,
+               max_sweeps, sweep_tolerance] = solver;
+  out.put_all(method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations, max_halvings,
+              max_sweeps, sweep_tolerance);
 }
 
 // ---- reading ----
@@ -165,57 +193,44 @@ Reader open_state(std::string_view bytes, const std::string& where, Digest& mode
 }  // namespace
 
 Digest model_digest(const Model& model, const StepOptions& options) {
+  const auto& [bodies, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, shapes, hex_shape,
+               hex_body, young_factor, limit_factor, surface] = model;
+  static_cast<void>(shapes);  // follow from the rest positions and the materials
   Writer out;
   out.put(version);
-  for (const auto& body : model.bodies) add_body(out, body);
-  for (const auto& obstacle : model.obstacles) add_obstacle(out, obstacle);
-  out.put_matrix(model.rest_positions);
-  out.put_matrix(model.initial_velocities);
-  out.put_matrix(model.node_mass);
-  out.put_bytes(model.node_fixed.data(), model.node_fixed.size());
-  out.put_matrix(model.hexes);
-  out.put_matrix(model.hex_shape);
-  out.put_matrix(model.hex_body);
-  out.put_matrix(model.young_factor);
-  out.put_matrix(model.limit_factor);
-  out.put_matrix(model.surface.hex);
-  out.put_matrix(model.surface.weights);
-
-  out.put(options.time_step);
-  out.put_matrix(options.gravity);
-  const SolverOptions& solver = options.solver;
-  out.put(solver.method);
-  out.put(solver.tolerance);
-  out.put(solver.energy);
-  out.put(solver.rotation);
-  out.put(solver.jacobian);
-  out.put(solver.max_iterations);
-  out.put(solver.max_sweeps);
-  out.put(solver.sweep_tolerance);
+  for (const auto& body : bodies) add_body(out, body);
+  for (const auto& obstacle : obstacles) add_obstacle(out, obstacle);
+  out.put_matrix(rest_positions);
+  out.put_matrix(initial_velocities);
+  out.put_matrix(node_mass);
+  out.put_bytes(node_fixed.data(), node_fixed.size());
+  out.put_matrix(hexes);
+  out.put_matrix(hex_shape);
+  out.put_matrix(hex_body);
+  out.put_matrix(young_factor);
+  out.put_matrix(limit_factor);
+  out.put_matrix(surface.hex);
+  out.put_matrix(surface.weights);
+  add_options(out, options);
   return sha256_hex(out.bytes);
 }
 
 std::string encode_state(const State& state, const Digest& model) {
+  const auto& [time, step, substep, been_feasible, positions, velocities, limit_multipliers, contacts] = state;
   Writer writer;
   writer.bytes.append(magic);
-  writer.put(version);
-  writer.put(std::uint32_t(0));
+  writer.put_all(version, std::uint32_t(0));
   writer.bytes.append(model);
-
-  writer.put(state.time);
-  writer.put(std::int64_t(state.step));
-  writer.put(state.substep);
-  writer.put(std::uint64_t(state.been_feasible));
-  writer.put_matrix(state.positions);
-  writer.put_matrix(state.velocities);
-  writer.put_matrix(state.limit_multipliers);
-  writer.put(std::uint64_t(state.contacts.size()));
-  for (const auto& contact : state.contacts) {
-    writer.put(std::int32_t(contact.point));
-    writer.put(std::int32_t(contact.obstacle));
-    for (int axis = 0; axis < 3; ++axis) writer.put(contact.impulse[axis]);
+  writer.put_all(time, std::int64_t(step), substep, std::uint64_t(been_feasible));
+  writer.put_matrix(positions);
+  writer.put_matrix(velocities);
+  writer.put_matrix(limit_multipliers);
+  writer.put(std::uint64_t(contacts.size()));
+  for (const auto& contact : contacts) {
+    const auto& [point, obstacle, hex, impulse] = contact;
+    writer.put_all(std::int32_t(point), std::int32_t(obstacle), std::int32_t(hex), std::int32_t(0));
+    writer.put_all(impulse.x(), impulse.y(), impulse.z());
   }
-
   writer.bytes.append(sha256_hex(writer.bytes));
   return std::move(writer.bytes);
 }
@@ -230,10 +245,12 @@ State decode_state(std::string_view bytes, const std::string& where, Digest& mod
   state.positions = reader.get_points();
   state.velocities = reader.get_points();
   state.limit_multipliers = reader.get_vector();
-  state.contacts.resize(reader.get_count(2 * sizeof(std::int32_t) + 3 * sizeof(double)));
+  state.contacts.resize(reader.get_count(4 * sizeof(std::int32_t) + 3 * sizeof(double)));
   for (auto& contact : state.contacts) {
     contact.point = reader.get<std::int32_t>();
     contact.obstacle = reader.get<std::int32_t>();
+    contact.hex = reader.get<std::int32_t>();
+    reader.get<std::int32_t>();
     for (int axis = 0; axis < 3; ++axis) contact.impulse[axis] = reader.get<double>();
   }
   if (!reader.at_end())

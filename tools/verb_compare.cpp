@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "render/compare_report.h"
 #include "render/flip.h"
 #include "render/image_io.h"
 #include "render/tone_map.h"
@@ -24,15 +26,21 @@ Image8 read_for_eyes(const fs::path& path) {
   return tone_map(read_image(path), {.curve = ToneCurve::standard});
 }
 
-FlipResult compare_pictures(const fs::path& a, const fs::path& b) {
-  const Image8 reference = read_for_eyes(a), test = read_for_eyes(b);
+/// Two pictures and how they differ.
+Comparison compare_pictures(const fs::path& a, const fs::path& b) {
+  Image8 reference = read_for_eyes(a), test = read_for_eyes(b);
   if (reference.width != test.width || reference.height != test.height)
     throw Error(ExitCode::bad_data,
                 {.where = b.string(),
                  .what = fmt::format("has another size than {}", a.string()),
                  .value = fmt::format("{}x{} and {}x{}", test.width, test.height, reference.width, reference.height),
                  .remedy = "render both at one size (--size)"});
-  return flip(reference, test);
+  Comparison comparison;
+  comparison.name = a.filename().string();
+  comparison.difference = flip(reference, test);
+  comparison.reference = std::move(reference);
+  comparison.result = std::move(test);
+  return comparison;
 }
 
 bool is_picture(const fs::path& path) {
@@ -68,33 +76,54 @@ void require_same_names(const fs::path& a, const std::vector<std::string>& names
   find_missing(a, names_a, names_b);
 }
 
-void print_result(const std::string& label, double mean, double maximum, double percentage, bool quiet) {
-  if (!quiet)
-    fmt::print("{}mean FLIP {:.6f}  maximum {:.6f}  pixels above 0.1: {:.3f} %\n", label, mean, maximum, percentage);
-}
+/// What is printed and decided, and where a page goes.
+class Judge {
+ public:
+  explicit Judge(const Options& options)
+      : max_flip_(options.max_flip.value_or(default_max_flip)), quiet_(options.quiet) {
+    if (options.report) page_ = *options.report;
+  }
 
-int verdict(double mean, double max_flip, bool quiet) {
-  const bool within = mean <= max_flip;
-  if (!quiet) fmt::print("{} (threshold {})\n", within ? "within" : "past the threshold", max_flip);
-  return within ? 0 : past_threshold;
-}
+  void print(const std::string& label, double mean, double maximum, double percentage) const {
+    if (!quiet_)
+      fmt::print("{}mean FLIP {:.6f}  maximum {:.6f}  pixels above 0.1: {:.3f} %\n", label, mean, maximum, percentage);
+  }
 
-/// Every frame counts for itself: the worst one decides.
-int compare_folders(fs::path a, fs::path b, double max_flip, bool quiet) {
+  /// Says whether the comparison is within the threshold, writes the page, and returns the exit code.
+  int decide(Comparison comparison) const {
+    const double mean = comparison.difference.mean;
+    const bool within = mean <= max_flip_;
+    comparison.verdict =
+        fmt::format("mean FLIP {:.6f} is {} {}", mean, within ? "within" : "past the threshold of", max_flip_);
+    if (!quiet_) fmt::print("{}: {}\n", comparison.name, comparison.verdict);
+    if (!page_.empty()) write_compare_report(page_, comparison);
+    return within ? 0 : past_threshold;
+  }
+
+ private:
+  double max_flip_;
+  bool quiet_;
+  fs::path page_;
+};
+
+/// Every picture counts for itself: the worst one decides.
+int compare_folders(fs::path a, fs::path b, const Judge& judge) {
   const auto names_a = picture_names(a), names_b = picture_names(b);
   require_same_names(a, names_a, b, names_b);
-  double worst = 0, maximum = 0, mean = 0, percentage = 0;
+  Comparison worst;
+  worst.difference.mean = -1;
+  double maximum = 0, mean = 0, percentage = 0;
   for (const std::string& name : names_a) {
-    const FlipResult result = compare_pictures(a / name, b / name);
-    print_result(name + "  ", result.mean, result.maximum, result.percent_above, quiet);
-    worst = std::max(worst, result.mean);
+    Comparison comparison = compare_pictures(a / name, b / name);
+    const FlipResult& result = comparison.difference;
+    judge.print(name + "  ", result.mean, result.maximum, result.percent_above);
     maximum = std::max(maximum, result.maximum);
     mean += result.mean / double(names_a.size());
     percentage += result.percent_above / double(names_a.size());
+    if (result.mean > worst.difference.mean) worst = std::move(comparison);
   }
-  print_result("all  ", mean, maximum, percentage, quiet);
-  if (!quiet) fmt::print("largest mean of a picture {:.6f}: ", worst);
-  return verdict(worst, max_flip, quiet);
+  judge.print("all  ", mean, maximum, percentage);
+  return judge.decide(std::move(worst));
 }
 
 }  // namespace
@@ -105,7 +134,7 @@ int verb_compare(const Options& options) {
                 {.what = "umax compare takes two pictures or two folders", .remedy = "see umax help compare"});
   const ThreadLimit threads(options.threads);
   const fs::path a = options.inputs[0], b = options.inputs[1];
-  const double max_flip = options.max_flip.value_or(default_max_flip);
+  const Judge judge(options);
   std::error_code error;
   for (const fs::path& path : {a, b})
     if (!fs::exists(path, error))
@@ -113,11 +142,12 @@ int verb_compare(const Options& options) {
   if (fs::is_directory(a, error) != fs::is_directory(b, error))
     throw Error(ExitCode::usage,
                 {.what = "a picture cannot be compared with a folder", .remedy = "give two pictures, or two folders"});
-  if (fs::is_directory(a, error)) return compare_folders(a, b, max_flip, options.quiet);
+  if (fs::is_directory(a, error)) return compare_folders(a, b, judge);
 
-  const FlipResult result = compare_pictures(a, b);
-  print_result("", result.mean, result.maximum, result.percent_above, options.quiet);
-  return verdict(result.mean, max_flip, options.quiet);
+  Comparison comparison = compare_pictures(a, b);
+  const FlipResult& result = comparison.difference;
+  judge.print("", result.mean, result.maximum, result.percent_above);
+  return judge.decide(std::move(comparison));
 }
 
 }  // namespace umax

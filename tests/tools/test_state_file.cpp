@@ -26,8 +26,8 @@ State strange_state(const Model& model) {
   state.positions(0, 0) = -0.0;
   state.velocities(1, 2) = 1e-308;
   state.limit_multipliers.setConstant(model.num_hexes(), 1.0 / 3);
-  state.contacts = {{.point = 7, .obstacle = 0, .impulse = Vector3d(0.1, 1e-17, -3)},
-                    {.point = -4, .obstacle = 2, .impulse = Vector3d(1, 2, 3)}};
+  state.contacts = {{.point = 7, .obstacle = 0, .hex = 3, .impulse = Vector3d(0.1, 1e-17, -3)},
+                    {.point = -4, .obstacle = 2, .hex = 5, .impulse = Vector3d(1, 2, 3)}};
   return state;
 }
 
@@ -58,6 +58,7 @@ TEST_CASE("a state comes back from its file with the same bits") {
   CHECK(back.contacts[0].point == 7);
   CHECK(back.contacts[1].point == -4);
   CHECK(back.contacts[1].obstacle == 2);
+  CHECK(back.contacts[1].hex == 5);
   CHECK(back.contacts[0].impulse == state.contacts[0].impulse);
 }
 
