@@ -1,5 +1,6 @@
 #include "scenes/toml_text.h"
 
+// The packaged library, not the header-only form: that one asserts on some malformed tables instead of throwing.
 #include <toml++/toml.h>
 
 #include <algorithm>

@@ -137,6 +137,7 @@ TEST_CASE("text that is no TOML is answered with its line", "[scenes]") {
   CHECK(failure_of_text("[clip]\nframes = 10\nfps 60\n").where == "test.toml:3");
   CHECK(failure_of_text("[clip]\nframes = 10\nframes = 20\n").where == "test.toml:3");
   CHECK(failure_of_text("[body.a]\nlimit.energy = 100 J\n").where == "test.toml:2");
+  CHECK(failure_of_text("[clip]\n[%\n").where == "test.toml:2");
   CHECK(failure_of_text("\xff\xfe\x00").code == 65);
   CHECK(failure_of_text("").what == "the scene has no body");
 }
