@@ -20,7 +20,7 @@ struct Contact {
   int hex = 0;       // where on the body, with
   Vector8d weights = Vector8d::Zero();
   Vector3d normal = Vector3d::UnitY();          // world, out of the obstacle
-  double gap = 0;                               // [m] to be kept >= 0; see ContactStep::allowed_depth
+  double gap = 0;                               // [m] to be kept >= 0: distance and the depth still allowed
   double friction = 0;                          // [-]
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
   Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken

@@ -1,0 +1,33 @@
+// What the detection of vertices and of edges shares.
+#pragma once
+
+#include <cmath>
+
+#include "core/contact.h"
+
+namespace umax {
+
+/// A point that may join the working set.
+struct ContactCandidate {
+  int point = 0, obstacle = 0, hex = 0;  // as in Contact
+  double gap = 0;                        // [m]
+};
+
+struct BoundingSphere {
+  Vector3d centre;
+  double radius;
+};
+
+/// Trilinear maps stay in the convex hull of the nodes, so the sphere holds every point of the hex.
+inline BoundingSphere bounding_sphere(const Matrix8x3d& nodes) {
+  const Vector3d centre = nodes.colwise().mean().transpose();
+  return {centre, std::sqrt((nodes.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff())};
+}
+
+/// Motion [m] during the step of the obstacle's point that is at position_t1 at its end.
+inline Vector3d obstacle_point_motion(const ContactStep& step, int obstacle, const Vector3d& position_t1) {
+  const Vector3d local = step.poses_t1[obstacle].local(position_t1);
+  return position_t1 - step.poses_t0[obstacle].world(local);
+}
+
+}  // namespace umax
