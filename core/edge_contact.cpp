@@ -169,10 +169,12 @@ void place_edge_contact(const ContactStep& step, const Points& positions, Contac
   if (!found) {  // far away: the gap to where it last was
     const Vector3d material = embedded_position(*step.model, positions, contact.hex, contact.weights);
     contact.gap = (material - edge.point).dot(contact.normal);
+    contact.position = material;
     return;
   }
   contact.weights = hit.weights;
   contact.gap = hit.gap;
+  contact.position = edge.point;
   contact.normal = hit.normal;
 }
 

@@ -192,3 +192,31 @@ TEST_CASE("detection names the deepest vertex of each touching hex") {
   }
   CHECK(max_penetration(model, geometry, state.positions, 0) == Approx(0.01));
 }
+
+TEST_CASE("gaps followed along their normals are those of a fresh detection for a small motion") {
+  // the box's upper edges stick in the block's bottom, the block's vertices in the box's top
+  const Vector3d low(-0.2, 0, -0.2), high(0.2, 0.4, 0.2);
+  const Body body = with_rest_distance(test::make_block({4, 4, 4}, low, 0.1, 3), low, high);
+  Obstacle box{.name = "box", .shape = Block{{0.13, 0.5, 0.13}}, .friction = 0.3};
+  box.position = Track<Vector3d>(Vector3d(0, -0.498, 0));
+  const Model model = make_model({body}, {box});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  Points above = model.rest_positions, moved = model.rest_positions;
+  above.col(1).array() += 0.1;
+  moved.rowwise() += Vector3d(1e-4, -3e-4, 2e-4).transpose();
+  const ContactStep contact_step = begin_contact_step(model, geometry, above, 0, 0.01, 9.81);
+  std::vector<Contact> contacts;
+  add_contacts(contact_step, model.rest_positions, 0.5, contacts);
+  int edges = 0;
+  for (const Contact& contact : contacts) edges += contact.point < 0;
+  REQUIRE(edges > 0);
+  REQUIRE(edges < int(contacts.size()));
+  std::vector<Contact> followed = contacts, fresh = contacts;
+  follow_contacts(contact_step, moved, followed);
+  update_contacts(contact_step, moved, fresh);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    CHECK(contacts[i].gap == Approx(-0.002).margin(1e-6));
+    CHECK(fresh[i].gap == Approx(-0.0023).margin(1e-6));
+    CHECK(followed[i].gap == Approx(fresh[i].gap).margin(1e-6));
+  }
+}
