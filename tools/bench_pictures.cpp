@@ -53,10 +53,10 @@ RenderScene comparison_scene(TriangleMesh body) {
   Look body_look, ground_look;
   body_look.base_color = {0.55f, 0.25f, 0.12f};
   body_look.roughness = 0.4f;
-  body_look.ior = 1.45f;
+  body_look.ior = 1.5f;  // F0 = 0.04, as specular = 0.5 there
   ground_look.base_color = {0.5f, 0.5f, 0.5f};
   ground_look.roughness = 0.9f;
-  ground_look.ior = 1.45f;
+  ground_look.ior = 1.5f;  // F0 = 0.04, as specular = 0.5 there
   scene.objects.push_back({"body", std::make_shared<TriangleMesh>(std::move(body)), body_look});
   scene.objects.push_back({"ground", std::make_shared<TriangleMesh>(make_plane(40)), ground_look});
   const Vector3f centre(3, 5, 3), towards = (Vector3f(0, 1, 0) - centre).normalized();
@@ -65,7 +65,7 @@ RenderScene comparison_scene(TriangleMesh body) {
   light.edge_u = 2 * up, light.edge_v = 2 * right;  // cross(u, v) looks along `towards`
   if (light.edge_u.cross(light.edge_v).dot(towards) < 0) std::swap(light.edge_u, light.edge_v);
   light.corner = centre - 0.5f * (light.edge_u + light.edge_v);
-  light.radiance = Vector3f::Constant(float(600 / (4 * 3.14159265358979)));
+  light.radiance = Vector3f::Constant(600.0f / 16);  // Cycles: power over four times the area
   scene.lights.push_back(light);
   scene.sky = ConstantSky{{0.35f, 0.45f, 0.6f}};
   scene.camera.position = {0, 1.6f, 5.5f};
