@@ -17,10 +17,10 @@ namespace {
 
 constexpr int tile_size = 64;    // [px]
 constexpr int patch_radius = 2;  // [px]
-constexpr float normal_tolerance = 0.12f;
+constexpr float normal_tolerance = 0.10f;
 constexpr float albedo_tolerance = 0.10f;
 constexpr float depth_tolerance = 0.01f;  // of the depth itself
-constexpr float color_tolerance = 0.6f;   // in standard deviations of a patch's noise
+constexpr float color_tolerance = 0.45f;  // in standard deviations of a patch's noise
 constexpr float least_albedo = 0.02f;
 
 using Plane = std::vector<float>;
