@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "render/write_file.h"
@@ -109,14 +111,15 @@ int picture_stage(const RunPictures& pictures, const Job& job, const RunFolder& 
   return 0;
 }
 
+/// Everything after the checks: `ready` are the pictures when they do not wait for the simulation.
 int do_stages(const Job& job, const Options& options, const Simulation& simulation, const std::vector<int>& frames,
-              const RunFolder& folder, int threads, RecordKeeper& keeper, Progress& progress) {
+              std::optional<RunPictures> ready, const RunFolder& folder, int threads, RecordKeeper& keeper,
+              Progress& progress) {
   const SignalWatch watch;
   int signal = 0;
   if (job.simulate) signal = simulate_stage(simulation, folder, options, frames.back(), keeper, progress);
   if (job.pictures && signal == 0) {
-    const RunPictures pictures =
-        job.make_pictures ? job.make_pictures(simulation, frames) : pictures_of_run(simulation, folder.path(), frames);
+    const RunPictures pictures = ready ? std::move(*ready) : pictures_of_run(simulation, folder.path(), frames);
     signal = picture_stage(pictures, job, folder, threads, keeper, progress);
   }
   if (signal != 0)
@@ -159,6 +162,9 @@ int do_job(const Job& job, const Options& options) {
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
                               body.lattice.num_hexes(), body.lattice.num_nodes()));
 
+  std::optional<RunPictures> pictures;
+  if (job.make_pictures) pictures = job.make_pictures(simulation, frames);
+
   const RunFolder folder(job.folder, job.existing);
   if (job.replace_pictures) folder.remove_pictures();
   const std::string scene_text = resolved_toml(job.scene);
@@ -166,7 +172,8 @@ int do_job(const Job& job, const Options& options) {
   write_file(folder.scene(), scene_text);
   RecordKeeper keeper(folder, job, options, scene_text, simulation.digest, threads.count());
   try {
-    return keeper.finish(do_stages(job, options, simulation, frames, folder, threads.count(), keeper, progress));
+    return keeper.finish(
+        do_stages(job, options, simulation, frames, std::move(pictures), folder, threads.count(), keeper, progress));
   } catch (const Error& error) {
     end_with(error, folder, keeper);
   }

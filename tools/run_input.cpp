@@ -57,16 +57,25 @@ void require_axis(const std::string& up) {
         {.where = "--up", .what = "is no axis", .value = '"' + up + '"', .remedy = "give x, y, z, -x, -y or -z"});
 }
 
-/// Height of the mesh [m] as the options, else the file, want it placed.
-double placed_height(const fs::path& path, const MeshSource& source, const std::optional<double>& wanted) {
+/// What a mesh file is when placed as the options, else the file, want it.
+struct MeshFacts {
+  double height = 0;  // [m]
+  Look look;
+};
+
+MeshFacts look_at_mesh(const fs::path& path, const MeshSource& source, const std::optional<double>& wanted) {
   MeshFile file = load_mesh(path);
   Placement placement;
   placement.unit = source.unit ? source.unit : file.unit;
   placement.up = source.up ? source.up : file.up;
   placement.height = wanted;
   place(file.mesh, placement);
+  std::error_code error;
+  const bool has_texture = file.mesh.texture_coordinates.rows() > 0 && fs::exists(file.texture, error);
   const double height = file.mesh.positions.col(1).maxCoeff() - file.mesh.positions.col(1).minCoeff();
-  if (height >= smallest_height && height <= largest_height) return height;
+  if (height >= smallest_height && height <= largest_height)
+    return {height, studio_look(file.mesh.colors.rows() > 0, has_texture)};
+
   const std::string unit = placement.unit ? fmt::format("{:g} m", *placement.unit) : "1 m, as the file does not say";
   throw Error(ExitCode::bad_data,
               {.where = path.string(),
@@ -106,12 +115,13 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   if (options.unit) source.unit = parse_unit(*options.unit);
   std::optional<double> wanted;
   if (options.height) wanted = parse_length("--height", *options.height);
-  const double height = placed_height(path, source, wanted);
+  const auto [height, look] = look_at_mesh(path, source, wanted);
   source.sha256 = sha256_of_file(source.path);
 
   BodyDescription body;
   body.name = "body";
   body.source = source;
+  body.look = look;
   body.height = wanted;
   body.position = Vector3d(0, (drop_height + 0.5) * height, 0);
   body.material.young = young_per_height * height;

@@ -5,8 +5,10 @@
 
 namespace umax {
 
-/// Adds a ground at height `floor`, a key light, a rim light and a sky for something `height` [m] tall, and colours
-/// its bodies.
+/// Adds a ground at height `floor`, a key light, a rim light and a sky for something `height` [m] tall.
 void add_studio(Scene& scene, double height, double floor);
+
+/// Smooth and a little glossy; clay for a mesh without colours of its own.
+Look studio_look(bool has_vertex_colors, bool has_texture);
 
 }  // namespace umax
