@@ -101,7 +101,7 @@ Vector3f Daylight::sky(const Vector3f& direction) const {
 Vector3f Daylight::dome(const Vector3f& direction) const {
   if (direction.y() >= 0) return sky(direction);
   // haze hides the edge of the earth
-  const float t = std::min(-direction.y() / 0.05f, 1.0f), blend = t * t * (3 - 2 * t);
+  const float t = std::min(-direction.y() / 0.35f, 1.0f), blend = t * t * (3 - 2 * t);
   return (1 - blend) * sky({direction.x(), 0, direction.z()}) + blend * earth_;
 }
 

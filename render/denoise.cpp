@@ -76,20 +76,67 @@ Plane box_mean(const Plane& in, int width, int height, int radius) {
   return out;
 }
 
+// what is told about the noise of single pixels: squares of luminance of light
+struct Noise {
+  Plane of_paths;   // variance of the mean, as the paths tell it
+  Plane of_halves;  // squared difference between all paths and every second one
+};
+
+Noise measure_noise(const TracedImage& traced) {
+  const std::size_t count = traced.variance.values.size();
+  Noise noise{.of_paths = Plane(count), .of_halves = Plane(count)};
+  for (std::size_t i = 0; i < count; ++i) {
+    const float albedo = std::max(luminance_of(&traced.albedo.values[3 * i]), least_albedo);
+    const float all = luminance_of(&traced.color.values[3 * i]), half = luminance_of(&traced.half.values[3 * i]);
+    noise.of_paths[i] = traced.variance.values[i] / (albedo * albedo);
+    noise.of_halves[i] = (all - half) * (all - half) / (albedo * albedo);
+  }
+  return noise;
+}
+
+// third largest value among the 24 pixels around one
+float third_around(const Plane& values, int width, int height, int x, int y) {
+  float largest = 0, second = 0, third = 0;
+  for (int row = std::max(y - 2, 0); row <= std::min(y + 2, height - 1); ++row) {
+    for (int column = std::max(x - 2, 0); column <= std::min(x + 2, width - 1); ++column) {
+      if (row == y && column == x) continue;
+      const float value = values[std::size_t(row) * width + column];
+      const float below = std::min(value, largest), lower = std::min(below, second);
+      largest = std::max(largest, value);
+      second = std::max(second, below);
+      third = std::max(third, lower);
+    }
+  }
+  return third;
+}
+
+// One path that happens on a small bright light makes a spark that no mean of a window takes away. A pixel that stands
+// out from all around it by no more than its own noise explains is lowered to them.
+void lower_sparks(Planes& planes, Noise& noise) {
+  Plane light(planes.size());
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    light[i] = luminance(planes.light[0][i], planes.light[1][i], planes.light[2][i]);
+  parallel_blocks(planes.height, 16, [&](Eigen::Index begin, Eigen::Index end) {
+    for (int y = int(begin); y < int(end); ++y) {
+      for (int x = 0; x < planes.width; ++x) {
+        const std::size_t i = std::size_t(y) * planes.width + x;
+        const float around = third_around(light, planes.width, planes.height, x, y), excess = light[i] - around;
+        if (!(excess > 0.3f * around) || !(excess * excess < 9 * noise.of_paths[i])) continue;
+        const float scale = around / light[i];
+        for (Plane& plane : planes.light) plane[i] *= scale;
+        noise.of_paths[i] *= scale * scale;
+        noise.of_halves[i] *= scale * scale;
+      }
+    }
+  });
+}
+
 // The paths' own variance overstates the noise of well spread samples. The two halves of the paths tell by how much,
 // pixel by pixel too noisily, over a neighbourhood well [Rousselle et al. 2012].
-void estimate_variance(const TracedImage& traced, Planes& planes) {
-  Plane of_paths(planes.size()), of_halves(planes.size());
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const float albedo = std::max(luminance_of(&traced.albedo.values[3 * i]), least_albedo);
-    const float difference =
-        (luminance_of(&traced.color.values[3 * i]) - luminance_of(&traced.half.values[3 * i])) / albedo;
-    of_paths[i] = traced.variance.values[i] / (albedo * albedo);
-    of_halves[i] = difference * difference;
-  }
-  const Plane paths_near = box_mean(of_paths, planes.width, planes.height, 1);
-  const Plane paths_around = box_mean(of_paths, planes.width, planes.height, 8);
-  const Plane halves_around = box_mean(of_halves, planes.width, planes.height, 8);
+void estimate_variance(const Noise& noise, Planes& planes) {
+  const Plane paths_near = box_mean(noise.of_paths, planes.width, planes.height, 1);
+  const Plane paths_around = box_mean(noise.of_paths, planes.width, planes.height, 8);
+  const Plane halves_around = box_mean(noise.of_halves, planes.width, planes.height, 8);
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const float ratio = paths_around[i] > 0 ? std::clamp(halves_around[i] / paths_around[i], 0.02f, 1.5f) : 1.0f;
     planes.variance[i] = paths_near[i] * ratio;
@@ -125,7 +172,9 @@ Planes split(const TracedImage& traced) {
     }
     planes.depth[i] = traced.depth.values[i];
   }
-  estimate_variance(traced, planes);
+  Noise noise = measure_noise(traced);
+  lower_sparks(planes, noise);
+  estimate_variance(noise, planes);
   fill_slopes(planes);
   return planes;
 }
