@@ -91,7 +91,8 @@ Vector3f mirrored_point(const KeyLight& light, const Vector3f& from, const Vecto
   return light.corner + u * light.edge_u + v * light.edge_v;
 }
 
-/// The highlight once per light, from its most mirror-like point, widened by the light's angular size.
+/// The highlight once per light, from its most mirror-like point, its height lowered for the light's angular size
+/// (B. Karis, "Real Shading in Unreal Engine 4", 2013: representative point).
 void add_highlight(const KeyLight& light, float seen, const Batch& look, const Vector3f& f0, const SurfacePoint& p,
                    Incoming& sum) {
   Vector3f l = light.corner, power = light.radiance;
@@ -111,7 +112,8 @@ void add_highlight(const KeyLight& light, float seen, const Batch& look, const V
   const float n_h = std::clamp(p.normal.dot(h), 0.0f, 1.0f), fresnel = fresnel_weight(p.view.dot(h));
   const Vector3f arriving = power * (n_l * seen);
   const auto lobe = [&](float roughness) {
-    return ggx(n_h, p.n_v, n_l, std::min(std::max(roughness * roughness, 0.002f) + widening, 1.0f));
+    const float alpha = std::max(roughness * roughness, 0.002f), lowered = alpha / std::min(alpha + widening, 1.0f);
+    return ggx(n_h, p.n_v, n_l, alpha) * lowered * lowered;
   };
   sum.glossy += lobe(look.roughness) * arriving.cwiseProduct(f0 + fresnel * (Vector3f::Ones() - f0));
   if (look.coat > 0) sum.coat += lobe(look.coat_roughness) * (0.04f + 0.96f * fresnel) * arriving;
@@ -276,6 +278,7 @@ Vector3f shade_pixel(const Frame& frame, const ShadowMaps& maps, const Visible& 
       SurfacePoint p;
       p.view = -direction;
       p.normal = surface.normal.normalized();
+      if (!(p.normal.squaredNorm() > 0.5f)) p.normal = p.view;  // a mesh whose normals are none
       p.world = frame.eye + direction * (surface.distance * share);
       p.base = surface.base * share;
       p.n_v = std::max(p.normal.dot(p.view), 1e-3f);

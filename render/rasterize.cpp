@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "render/camera.h"
 #include "render/gl_raster.h"
 #include "render/raster_light.h"
 #include "render/raster_shade.h"
@@ -20,14 +21,11 @@ using raster::Vector4f;
 
 // ---- camera -----------------------------------------------------------------------------------------------------
 
-Matrix4f view_from_world(const Camera& camera) {
-  const Vector3f back = (camera.position - camera.target).normalized();
-  const Vector3f right = camera.up.cross(back).normalized();
-  const Vector3f up = back.cross(right);
+Matrix4f view_from_world(const CameraView& camera) {
   Matrix4f view = Matrix4f::Identity();
-  view.block<1, 3>(0, 0) = right.transpose();
-  view.block<1, 3>(1, 0) = up.transpose();
-  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<1, 3>(0, 0) = camera.right.transpose();
+  view.block<1, 3>(1, 0) = camera.up.transpose();
+  view.block<1, 3>(2, 0) = -camera.forward.transpose();
   view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * camera.position;
   return view;
 }
@@ -214,7 +212,7 @@ void set_camera(const Camera& camera, const Frame& drawn, const raster::Focus& f
   for (const raster::Vertex& vertex : drawn.vertices)
     farthest = std::max(farthest, (vertex.position - camera.position).norm());
   const float near_plane = std::max(1e-3f * (camera.position - camera.target).norm(), 1e-6f);
-  const Matrix4f view = view_from_world(camera);
+  const Matrix4f view = view_from_world(make_camera_view(camera, frame.width, frame.height));
   const float aspect = float(frame.width) / float(frame.height);
   frame.clip_from_world = clip_from_view(camera, aspect, near_plane, std::max(1.01f * farthest, 2 * near_plane)) * view;
   frame.world_from_clip = frame.clip_from_world.cast<double>().inverse().cast<float>();

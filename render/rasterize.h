@@ -14,7 +14,7 @@ namespace umax {
 struct RasterizeOptions {
   int width = 1280, height = 720;  // [px]
   int supersample = 1;     // [1, 4] pixels drawn per pixel and axis; 2 calms fine wires and highlights, costs 4 times
-  int light_samples = 16;  // [1, 64] shadow maps per area light or sun; more: smoother penumbras
+  int light_samples = 40;  // [1, 128] shadow maps per area light or sun; more: smoother penumbras
   int sky_samples = 44;    // [8, 64] shadow maps of the sky; more: smoother contact shadows
   int threads = 0;         // GL's own threads, fixed by the first picture of the process; 0: all processors
 };

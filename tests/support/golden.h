@@ -42,26 +42,19 @@ inline PixelDifference pixel_difference(const Image8& a, const Image8& b, int fa
   return result;
 }
 
-/// Compares with tests/golden/NAME.png. With UMAX_UPDATE_GOLDEN=1 in the environment it writes the reference instead.
-/// A failure leaves NAME.html and NAME.png in the build's test-output/golden and says where.
-inline void check_golden(const std::string& name, const Image8& result, const GoldenTolerance& tolerance = {}) {
-  namespace fs = std::filesystem;
-  const fs::path reference_path = fs::path(UMAX_SOURCE_DIR) / "tests/golden" / (name + ".png");
-  if (const char* update = std::getenv("UMAX_UPDATE_GOLDEN"); update && std::string(update) == "1") {
-    write_png(reference_path, result);
-    WARN("reference written: " << reference_path.string());
-    return;
-  }
-  INFO("reference " << reference_path.string() << "; UMAX_UPDATE_GOLDEN=1 in the environment writes it anew");
-  REQUIRE(fs::exists(reference_path));
-  const Image8 reference = read_png8(reference_path);
-  REQUIRE(reference.width == result.width);
-  REQUIRE(reference.height == result.height);
-  REQUIRE(reference.channels == result.channels);
+struct GoldenOutcome {
+  bool passed = false;
+  std::string verdict;
+  std::filesystem::path page;  // of a failure: reference, result, difference and the command that accepts the result
+};
 
+/// Compares a picture with its reference; a failure leaves NAME.html and NAME.png in `folder`.
+inline GoldenOutcome compare_with_golden(const std::string& name, const Image8& reference, const Image8& result,
+                                         const GoldenTolerance& tolerance, const std::filesystem::path& folder) {
   const PixelDifference pixels = pixel_difference(reference, result, tolerance.fail);
   const FlipResult seen = flip(reference, result);
-  const bool passed =
+  GoldenOutcome outcome;
+  outcome.passed =
       pixels.percent <= tolerance.percent && pixels.largest <= tolerance.hard_fail && seen.mean <= tolerance.mean_flip;
   char verdict[256];
   std::snprintf(
@@ -70,17 +63,37 @@ inline void check_golden(const std::string& name, const Image8& result, const Go
       "FLIP %.5f (allowed %.5f)",
       pixels.percent, tolerance.fail, tolerance.percent, pixels.largest, tolerance.hard_fail, seen.mean,
       tolerance.mean_flip);
-  fs::path page;
-  if (!passed) {
-    const fs::path folder = fs::path(UMAX_TEST_OUTPUT) / "golden";
-    fs::create_directories(folder);
-    page = folder / (name + ".html");
-    write_png(folder / (name + ".png"), result);
-    write_compare_report(page, {name, reference, result, seen, verdict,
-                                "cp '" + (folder / (name + ".png")).string() + "' '" + reference_path.string() + "'"});
+  outcome.verdict = verdict;
+  if (outcome.passed) return outcome;
+
+  std::filesystem::create_directories(folder);
+  outcome.page = folder / (name + ".html");
+  write_png(folder / (name + ".png"), result);
+  const auto target = std::filesystem::path(UMAX_SOURCE_DIR) / "tests/golden" / (name + ".png");
+  const std::string command = "cp '" + (folder / (name + ".png")).string() + "' '" + target.string() + "'";
+  write_compare_report(outcome.page, {name, reference, result, seen, verdict, command});
+  return outcome;
+}
+
+/// Compares with tests/golden/NAME.png. With UMAX_UPDATE_GOLDEN=1 in the environment it writes the reference instead.
+/// A failure leaves its page in the build's test-output/golden and says where.
+inline void check_golden(const std::string& name, const Image8& result, const GoldenTolerance& tolerance = {}) {
+  const auto path = std::filesystem::path(UMAX_SOURCE_DIR) / "tests/golden" / (name + ".png");
+  if (const char* update = std::getenv("UMAX_UPDATE_GOLDEN"); update && std::string(update) == "1") {
+    write_png(path, result);
+    WARN("reference written: " << path.string());
   }
-  INFO(verdict << (passed ? "" : "; see " + page.string()));
-  CHECK(passed);
+  INFO("reference " << path.string() << "; UMAX_UPDATE_GOLDEN=1 in the environment writes it anew");
+  REQUIRE(std::filesystem::exists(path));
+  const Image8 reference = read_png8(path);
+  REQUIRE(reference.width == result.width);
+  REQUIRE(reference.height == result.height);
+  REQUIRE(reference.channels == result.channels);
+  const GoldenOutcome outcome =
+      compare_with_golden(name, reference, result, tolerance, std::filesystem::path(UMAX_TEST_OUTPUT) / "golden");
+  INFO(outcome.verdict);
+  INFO("page: " << outcome.page.string());
+  CHECK(outcome.passed);
 }
 
 /// The same for a scene-linear picture, shown with the scene's exposure and legend.
