@@ -53,27 +53,13 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
   return out;
 }
 
-/// U/U_max at every node (mean over its hexes), so that colours do not jump at the cage's faces.
-VectorXd node_ratios(const Model& model, const VectorXd& ratios) {
-  VectorXd sum = VectorXd::Zero(model.num_nodes()), count = sum;
-  for (Eigen::Index hex = 0; hex < model.num_hexes(); ++hex)
-    for (int i = 0; i < 8; ++i) {
-      sum[model.hexes(hex, i)] += ratios[hex];
-      count[model.hexes(hex, i)] += 1;
-    }
-  return sum.cwiseQuotient(count.cwiseMax(1));
-}
-
-/// Heat-map colours of a body's vertices.
-Points heat_colors(const BodySetup& body, const VectorXd& ratios_at_nodes) {
-  const EmbeddedPoints& points = body.embedding.points;
-  Points colors(points.size(), 3);
-  for (Eigen::Index p = 0; p < points.size(); ++p) {
-    double ratio = 0;
-    for (int i = 0; i < 8; ++i)
-      ratio += points.weights(p, i) * ratios_at_nodes[body.first_node + body.lattice.hexes(points.hex[p], i)];
-    colors.row(p) = color_of_value(ratio).cast<double>().transpose();
-  }
+/// Heat-map colours of a body's vertices: each shows the U/U_max of its hex, unsmoothed, so that a limit that is
+/// reached looks like one.
+Points heat_colors(const BodySetup& body, const VectorXd& ratios) {
+  const VectorXi& hex = body.embedding.points.hex;
+  Points colors(hex.size(), 3);
+  for (Eigen::Index p = 0; p < hex.size(); ++p)
+    colors.row(p) = color_of_value(ratios[body.first_hex + hex[p]]).cast<double>().transpose();
   return colors;
 }
 
@@ -164,7 +150,7 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
   VectorXd ratios;
   const bool heat = render.heatmap == Heatmap::energy;
   if (heat) {
-    ratios = node_ratios(simulation.model, energy_ratios(simulation.model, simulation.options.solver, state));
+    ratios = energy_ratios(simulation.model, simulation.options.solver, state);
     shot.legend = Legend{.title = "U / U_max", .low = 0, .high = 1};
   }
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
