@@ -13,7 +13,7 @@
 namespace umax {
 namespace {
 
-constexpr const char* font = "sans-serif";
+constexpr const char* font = "DejaVu Sans";  // where missing, Cairo takes another
 
 /// An RGB picture as a Cairo surface; written back when done.
 class Canvas {
