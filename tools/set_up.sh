@@ -9,10 +9,9 @@ die() { printf '%s: error: %s\n' "$(basename "$0")" "$1" >&2; exit "$2"; }
 
 install_packages() {
   local package missing=()
-  while read -r package; do
-    # a name may be provided by another package (pkg-config by pkgconf): ask for the installed ones that provide it
-    [ "$(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null | grep -cx installed)" -gt 0 ] || missing+=("$package")
-  done < <(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/tools/packages")
+  for package in $(sed -e 's/#.*//' "$root/tools/packages"); do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
   [ ${#missing[@]} -gt 0 ] || return 0
 
   command -v apt-get >/dev/null || die "apt-get is not here; install by other means: ${missing[*]}" 69
@@ -30,8 +29,9 @@ install_packages() {
 count_jobs() {
   local cores memory_kib by_memory
   cores=$(nproc)
-  memory_kib=$(awk '/MemAvailable/ { print $2 }' /proc/meminfo)
-  by_memory=$((memory_kib / 1572864))
+  # without /proc (a bare chroot) there is no telling: as many as cores
+  memory_kib=$(sed -n 's/^MemAvailable: *\([0-9]*\).*/\1/p' /proc/meminfo 2>/dev/null) || true
+  by_memory=$((${memory_kib:-1000000000} / 1572864))
   [ "$by_memory" -ge 1 ] || by_memory=1
   echo $((cores < by_memory ? cores : by_memory))
 }
