@@ -10,7 +10,6 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index hexes_per_block = 32;
 // vertices deeper than this share of the tolerance join the working set, so that the rest stays within it
 constexpr double joining_share = 0.5;
 
@@ -31,30 +30,15 @@ VectorXd assemble(const StepProblem& problem, SystemMatrix& matrix) {
   const double h = problem.h;
   reset(matrix);
   add_mass((model.node_mass.array() * (1 + h * problem.damping_mass.array())).matrix(), 1, matrix);
-  VectorXd elastic_impulse = VectorXd::Zero(3 * model.num_nodes());
-  constexpr Eigen::Index chunk = 2048;
-  std::vector<Matrix24d> stiffness(std::min(chunk, model.num_hexes()));
-  std::vector<Vector24d> gradient(stiffness.size());
-  for (Eigen::Index first = 0; first < model.num_hexes(); first += chunk) {
-    const Eigen::Index count = std::min(chunk, model.num_hexes() - first);
-    parallel_blocks(count, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-      for (Eigen::Index i = begin; i < end; ++i) {
-        const Eigen::Index e = first + i;
-        const HexShape& shape = model.shapes[model.hex_shape[e]];
-        const CorotatedHex hex =
-            corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
-        stiffness[i] =
-            (h * h + h * problem.damping_stiffness[e]) * warped_hessian(shape.stiffness, problem.young[e], hex);
-        gradient[i] = warped_gradient(shape.stiffness, problem.young[e], hex);
-      }
-    });
-    for (Eigen::Index i = 0; i < count; ++i) {
-      add_element(first + i, stiffness[i], matrix);
-      for (int n = 0; n < 8; ++n)
-        elastic_impulse.segment<3>(3 * model.hexes(first + i, n)) -= h * gradient[i].segment<3>(3 * n);
-    }
-  }
-  return elastic_impulse;
+  HexColumns gradients(24, model.num_hexes());
+  add_elements(matrix, [&](Eigen::Index e, Matrix24d& element) {
+    const HexShape& shape = model.shapes[model.hex_shape[e]];
+    const CorotatedHex hex =
+        corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
+    element = (h * h + h * problem.damping_stiffness[e]) * warped_hessian(shape.stiffness, problem.young[e], hex);
+    gradients.col(e) = warped_gradient(shape.stiffness, problem.young[e], hex);
+  });
+  return -h * gather(model, gradients);
 }
 
 // v* of Eq. 19
