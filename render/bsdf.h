@@ -10,7 +10,9 @@
 #pragma once
 
 #include <array>
+#include <string>
 
+#include "render/bsdf_core.h"
 #include "render/render_scene.h"
 
 namespace umax {
@@ -21,9 +23,14 @@ class GlossyAlbedo {
   GlossyAlbedo() = default;
   explicit GlossyAlbedo(float alpha);
   struct Value {
-    float a, b;
+    float a = 1, b = 0;
   };
-  Value at(float cosine) const;
+  Value at(float cosine) const {
+    const float position = std::sqrt(cosine < 1 ? cosine : 1.0f) * (num_nodes - 1);
+    const int i = int(position);
+    const float t = position - float(i);
+    return {nodes_[i].a + t * (nodes_[i + 1].a - nodes_[i].a), nodes_[i].b + t * (nodes_[i + 1].b - nodes_[i].b)};
+  }
 
  private:
   static constexpr int num_nodes = 64;
@@ -32,27 +39,21 @@ class GlossyAlbedo {
 
 /// A look with its tables: one per object, made once a picture.
 struct BsdfLook {
-  float alpha = 0.25f, f0 = 0.04f, f90 = 1, metallic = 0;
-  float coat = 0, coat_alpha = 1e-3f;
+  bsdf_core::LookNumbers numbers;
   GlossyAlbedo albedo, coat_albedo;
+
+  /// Reflectances of its layers for light from a direction of this cosine.
+  bsdf_core::LayerAlbedo layers(float cosine) const {
+    const GlossyAlbedo::Value glossy = albedo.at(cosine);
+    const GlossyAlbedo::Value coat = numbers.coat > 0 ? coat_albedo.at(cosine) : GlossyAlbedo::Value{};
+    return {.a = glossy.a, .b = glossy.b, .coat_a = coat.a, .coat_b = coat.b};
+  }
 };
 /// Throws Error 65 for values outside their range; where: the object's name, for the message.
 BsdfLook make_bsdf_look(const Look& look, const std::string& where);
 
-/// The look at one point, seen from one direction.
-struct Bsdf {
-  struct Lobe {
-    float alpha = 0.25f;
-    float root_viewer = 1, density_scale = 0.25f;  // of Smith's shadowing, for the view direction
-  };
-  Vector3f to_viewer;           // local, unit, z > 0
-  Vector3f diffuse;             // reflectance of the base
-  Vector3f glossy_a, glossy_b;  // Fresnel term glossy_a + glossy_b (1 - c)^5, all scales included
-  float coat = 0;               // scale of the coat's lobe
-  Lobe glossy_lobe, coat_lobe;
-  float choose_diffuse = 1, choose_glossy = 0;  // probabilities; the rest goes to the coat
-  Vector3f albedo;                              // reflectance in all, towards the viewer
-};
+/// The look at one point, seen from one direction (unit, z > 0).
+using Bsdf = bsdf_core::Surface;
 Bsdf make_bsdf(const BsdfLook& look, const Vector3f& base_color, const Vector3f& to_viewer);
 
 struct BsdfValue {

@@ -19,21 +19,14 @@ inline SinCos sin_cos_quarter(float angle) {
   return {sine, cosine};
 }
 
-/// Sine and cosine of any moderate angle (|angle| < 1e4).
+/// Sine and cosine of any moderate angle (|angle| < 1e4), without branches.
 inline SinCos sin_cos(float angle) {
   const float turns = std::nearbyint(angle * 0.63661977f);
-  const int quadrant = int(turns) & 3;
+  const int quadrant = int(turns);
   const SinCos q = sin_cos_quarter((angle - turns * 1.57079637f) + turns * 4.37113883e-8f);
-  switch (quadrant) {
-    case 0:
-      return q;
-    case 1:
-      return {q.cosine, -q.sine};
-    case 2:
-      return {-q.sine, -q.cosine};
-    default:
-      return {-q.cosine, q.sine};
-  }
+  const bool odd = (quadrant & 1) != 0;
+  const float sine = odd ? q.cosine : q.sine, cosine = odd ? q.sine : q.cosine;
+  return {(quadrant & 2) != 0 ? -sine : sine, ((quadrant + 1) & 2) != 0 ? -cosine : cosine};
 }
 
 /// Angle of the point (x, y) in [-pi, pi], to 1e-6; 0 at the origin.

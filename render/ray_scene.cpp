@@ -174,6 +174,37 @@ void call_intersect(RTCScene scene, RTCRayHit& query) {
 #endif
 }
 
+void set_lane(RTCRayHit8& query, int i, const Ray& ray) {
+  query.ray.org_x[i] = ray.origin.x();
+  query.ray.org_y[i] = ray.origin.y();
+  query.ray.org_z[i] = ray.origin.z();
+  query.ray.tnear[i] = 0;
+  query.ray.dir_x[i] = ray.direction.x();
+  query.ray.dir_y[i] = ray.direction.y();
+  query.ray.dir_z[i] = ray.direction.z();
+  query.ray.time[i] = 0;
+  query.ray.tfar[i] = ray.max_distance;
+  query.ray.mask[i] = ~0u;
+  query.ray.id[i] = 0;
+  query.ray.flags[i] = 0;
+  query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+}
+
+void call_intersect8(const int* valid, RTCScene scene, RTCRayHit8& query) {
+#if UMAX_EMBREE_VERSION >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect8(valid, scene, &query, &arguments);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect8(valid, scene, &context, &query);
+#endif
+}
+
 void call_occluded(RTCScene scene, RTCRay& query) {
 #if UMAX_EMBREE_VERSION >= 4
   rtcOccluded1(scene, &query, nullptr);
@@ -250,6 +281,26 @@ Hit RayScene::intersect(const Ray& ray) const {
           .distance = query.ray.tfar,
           .u = query.hit.u,
           .v = query.hit.v};
+}
+
+void RayScene::intersect_coherent(const Ray* rays, int count, Hit* hits) const {
+  constexpr int width = 8;
+  for (int begin = 0; begin < count; begin += width) {
+    RTCRayHit8 query;
+    alignas(32) int valid[width];
+    for (int i = 0; i < width; ++i) {
+      valid[i] = begin + i < count ? -1 : 0;
+      set_lane(query, i, rays[std::min(begin + i, count - 1)]);
+    }
+    call_intersect8(valid, data_->scene, query);
+    for (int i = 0; i < std::min(width, count - begin); ++i) {
+      hits[begin + i] = {.object = query.hit.geomID[i],
+                         .triangle = query.hit.primID[i],
+                         .distance = query.ray.tfar[i],
+                         .u = query.hit.u[i],
+                         .v = query.hit.v[i]};
+    }
+  }
 }
 
 bool RayScene::occluded(const Ray& ray) const {

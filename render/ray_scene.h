@@ -43,6 +43,8 @@ class RayScene {
   RayScene& operator=(RayScene&&) noexcept;
 
   Hit intersect(const Ray& ray) const;
+  /// The same for rays that lie close together, faster.
+  void intersect_coherent(const Ray* rays, int count, Hit* hits) const;
   bool occluded(const Ray& ray) const;
   SurfacePoint surface(const Hit& hit, const Vector3f& ray_direction) const;
 

@@ -28,7 +28,7 @@ std::uint32_t pascal_product(std::uint32_t v) {
 }
 
 float unit_float(std::uint32_t v) {
-  return float(v >> 8) * 0x1p-24f;
+  return float(int(v >> 8)) * 0x1p-24f;
 }
 
 std::uint32_t spread_bits(std::uint32_t v) {
@@ -65,11 +65,20 @@ std::uint32_t SampleSequence::block_key(int x, int y) const {
 }
 
 Vector2f SampleSequence::point_reversed(std::uint32_t reversed_index, int dimension, std::uint32_t block_key) const {
-  const Keys& keys = keys_[dimension % max_dimensions];
-  const std::uint32_t shuffled = reverse_bits(scramble_upwards(reversed_index, keys.shuffle ^ block_key));
-  const std::uint32_t first = scramble_upwards(shuffled, keys.first ^ block_key);
-  const std::uint32_t second = scramble_upwards(pascal_product(shuffled), keys.second ^ block_key);
-  return {unit_float(reverse_bits(first)), unit_float(reverse_bits(second))};
+  Vector2f point;
+  points(&reversed_index, &block_key, 1, dimension, &point.x(), &point.y());
+  return point;
+}
+
+void SampleSequence::points(const std::uint32_t* reversed_indices, const std::uint32_t* block_keys, int count,
+                            int dimension, float* u, float* v) const {
+  const Keys keys = keys_[dimension % max_dimensions];
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t block = block_keys[i];
+    const std::uint32_t shuffled = reverse_bits(scramble_upwards(reversed_indices[i], keys.shuffle ^ block));
+    u[i] = unit_float(reverse_bits(scramble_upwards(shuffled, keys.first ^ block)));
+    v[i] = unit_float(reverse_bits(scramble_upwards(pascal_product(shuffled), keys.second ^ block)));
+  }
 }
 
 TableDistribution::TableDistribution(int width, int height, const std::vector<float>& values)

@@ -41,6 +41,9 @@ class SampleSequence {
   }
   /// The same from the index with its bits reversed.
   Vector2f point_reversed(std::uint32_t reversed_index, int dimension, std::uint32_t block_key) const;
+  /// The same for many indices at once: row u and row v of their points, `count` each.
+  void points(const std::uint32_t* reversed_indices, const std::uint32_t* block_keys, int count, int dimension,
+              float* u, float* v) const;
 
  private:
   struct Keys {
@@ -49,25 +52,6 @@ class SampleSequence {
   int log2_samples_, log2_block_;
   unsigned seed_;
   std::array<Keys, max_dimensions> keys_;
-};
-
-/// Hands out the dimensions of one path in order.
-class PathSampler {
- public:
-  PathSampler(const SampleSequence& sequence, int x, int y)
-      : sequence_(&sequence), start_(sequence.pixel_start(x, y)), block_key_(sequence.block_key(x, y)) {}
-  void begin_path(int sample) {
-    reversed_index_ = reverse_bits(start_ + std::uint32_t(sample));
-    dimension_ = 0;
-  }
-  /// Later calls count from here: a vertex of the path owns its dimensions whatever was drawn before.
-  void seek(int dimension) { dimension_ = dimension; }
-  Vector2f next() { return sequence_->point_reversed(reversed_index_, dimension_++, block_key_); }
-
- private:
-  const SampleSequence* sequence_;
-  std::uint32_t start_, block_key_, reversed_index_ = 0;
-  int dimension_ = 0;
 };
 
 /// Well mixed 32-bit hash.

@@ -59,7 +59,7 @@ TEST_CASE("a white surface in a white furnace is white for every look") {
     const Eigen::Vector3d reflected = reflected_by_sampling(bsdf);
     CAPTURE(look.roughness, look.metallic, look.clearcoat, look.ior, cosine);
     CHECK(reflected.x() == Approx(1).margin(0.008));
-    CHECK(double(bsdf.albedo.x()) == Approx(1).margin(0.005));
+    CHECK(double(bsdf.albedo.r) == Approx(1).margin(0.005));
   }
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("a smooth metal is a mirror") {
   look.metallic = 1;
   const Bsdf bsdf = make_bsdf(make_bsdf_look(look, "test"), {0.9f, 0.6f, 0.2f}, direction_at(0.7f));
   const BsdfSample sample = sample_bsdf(bsdf, {0.3f, 0.4f});
-  const Vector3f mirrored(-bsdf.to_viewer.x(), 0, 0.7f);
+  const Vector3f mirrored(-bsdf.viewer.x, 0, 0.7f);
   CHECK((sample.to_light - mirrored).norm() < 5e-3f);
   CHECK(double(sample.weight.z()) == Approx(0.2).margin(0.01));
 }
