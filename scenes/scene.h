@@ -94,7 +94,7 @@ struct LightDescription {
   std::string name;
   Vector3d position{3, 5, 3}, target{0, 1, 0};  // [m]
   double size = 2;                              // [m] edge of the square
-  double power = 600;                           // [W] as Blender's area light: radiance = power / (pi area)
+  double power = 600;                           // [W] radiance = power / (pi area)
   Vector3d color{1, 1, 1};
 };
 

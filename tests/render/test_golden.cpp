@@ -62,7 +62,7 @@ TEST_CASE("rasterised pictures look like their references") {
     scene.sky = DaylightSky{.sun_direction = {0.6f, 0.55f, 0.5f}, .sun_size_degrees = 3};
     check_golden("raster_daylight", rasterize(scene, small), scene);
   }
-  SECTION("heat map with wires and legend") {
+  SECTION("heat map with wires") {
     TriangleMesh ball = make_ball({0, 0.8, 0}, 0.8);
     ball.colors.resize(ball.num_vertices(), 3);
     for (Eigen::Index i = 0; i < ball.num_vertices(); ++i)
@@ -82,7 +82,9 @@ TEST_CASE("rasterised pictures look like their references") {
     scene.wires = wires;
     scene.legend = Legend{"U / Umax", 0, 1};
     scene.camera.target = {0.3f, 0.8f, 0};
-    check_golden("raster_heat_map", rasterize(scene, small), scene, {.percent = 3, .mean_flip = 0.02});
+    const Image linear = rasterize(scene, small);
+    scene.legend.reset();  // its letters are hinted otherwise by every FreeType: test_annotate holds the legend
+    check_golden("raster_heat_map", linear, scene, {.percent = 3, .mean_flip = 0.02});
   }
 }
 

@@ -27,6 +27,8 @@ OBJ
 # the README's scene file
 awk '/^```toml/ { inside = 1; next } /^```/ { inside = 0 } inside' "$readme" >cow.toml
 
+awk '/^```sh/ { inside = 1; next } /^```/ { inside = 0 } inside' "$readme" | grep '^umax ' >commands
+
 small=(--samples 1 --size 64x36)
 count=0
 while read -r line; do
@@ -42,6 +44,6 @@ while read -r line; do
   echo "-- ${words[*]}"
   "$program" "${words[@]:1}" --quiet </dev/null || { echo "FAILED with $?: $line"; exit 1; }
   count=$((count + 1))
-done < <(awk '/^```sh/ { inside = 1; next } /^```/ { inside = 0 } inside' "$readme" | grep '^umax ')
+done <commands
 [ "$count" -ge 8 ] || { echo "only $count commands found in $readme"; exit 1; }
 echo "$count commands of the README run"
