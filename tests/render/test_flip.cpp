@@ -96,7 +96,7 @@ TEST_CASE("flip of pictures of different sizes is the user's fault") {
   CHECK_THROWS_AS(flip(noise(8, 8, 1), noise(8, 9, 1)), Error);
 }
 
-TEST_CASE("flip of 1280x720 takes less than 1.5 seconds") {
+TEST_CASE("flip of 1280x720 takes less than 1.5 seconds", "[slow]") {
   const Image a = noise(1280, 720, 1), b = noise(1280, 720, 2);
   double best = 1e9;
   for (int i = 0; i < 3; ++i) {  // the fastest of three: other programs may be running
