@@ -1,37 +1,15 @@
 // The paper's armadillo: 365 hexes, 43,243 vertices, dropped on the ground.
-#include <filesystem>
-
-#include "embedding/embedding.h"
-#include "embedding/mesh_io.h"
-#include "embedding/placement.h"
-#include "embedding/voxelize.h"
+#include "tests/support/armadillo.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 
 using namespace umax;
 
-namespace {
-
-Body make_armadillo(double height_above_ground) {
-  TriangleMesh mesh = load_mesh(std::filesystem::path(UMAX_MODELS) / "armadillo.obj").mesh;
-  place(mesh, {.height = 2.0});
-  mesh.positions.col(1).array() += height_above_ground - mesh.positions.col(1).minCoeff();
-  Body body;
-  body.name = "armadillo";
-  body.lattice = voxelize(mesh, {.size = 365});
-  body.material = {.young = 500e3, .poisson = 0.3, .density = 500};
-  body.surface = embed_points(mesh.positions, body.lattice);
-  body.surface_rest = mesh.positions;
-  return body;
-}
-
-}  // namespace
-
 TEST_CASE("the armadillo lands within its limits and above the ground at every step", "[models]") {
   const auto method = GENERATE(SolverMethod::paper, SolverMethod::exact);
   const double limit = GENERATE(100.0, 20.0);
   CAPTURE(int(method), limit);
-  Body body = make_armadillo(0.1);
+  Body body = test::make_armadillo(0.1);
   body.velocity = {0, -4.2, 0};  // as from 1 m
   test::limit_energy(body, limit);
   const Model model = make_model({body}, {test::make_ground(0.5)});
