@@ -197,6 +197,22 @@ int add_contacts(const ContactStep& step, const Points& positions, double share,
   return int(contacts.size() - known);
 }
 
+std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin) {
+  const Model& model = *step.model;
+  std::vector<int> near;
+  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
+    if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
+    const BoundingSphere sphere = bounding_sphere(hex_nodes(model, positions, hex));
+    const double reach = sphere.radius + margin * model.bodies[model.hex_body[hex]].cell_size;
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+      if (signed_distance(model.obstacles[o].shape, step.poses_t1[o].local(sphere.centre)).distance <= reach) {
+        near.push_back(hex);
+        break;
+      }
+  }
+  return near;
+}
+
 double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time) {
   if (model.obstacles.empty()) return 0;
   std::vector<Pose> poses;

@@ -52,8 +52,7 @@ struct ContactStep {
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
                                double time_t0, double time_step, double gravity);
 
-/// Depth [m] that a vertex may have at the end of the step: 0, unless it began deeper (a start in penetration, which is
-/// pushed out at a bounded speed instead of at once).
+/// Depth [m] below which a vertex of the hex counts as touching, not as penetrating: a thousandth of its body's cells.
 double tolerance_depth(const Model& model, int hex);
 
 /// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
@@ -66,6 +65,9 @@ void follow_contacts(const ContactStep& step, const Points& positions, std::vect
 /// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the
 /// set. share 0: every touching hex. Returns the number added.
 int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts);
+
+/// The hexes with surface vertices that are within a margin [cells of their body] of an obstacle at the step's end.
+std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin);
 
 /// The deepest surface vertex at the given time [m], 0 if none penetrates.
 double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time);

@@ -38,6 +38,32 @@ double cone_residual(const StepProblem& problem, const Points& positions, const 
   return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
 }
 
+// the forces of a Lagrangian's gradient, by kind
+struct Forces {
+  VectorXd inertia;  // gravity included
+  VectorXd gravity, elastic, limit, contact;
+};
+
+Forces forces_at(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                 const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  const Model& model = *problem.model;
+  Forces forces;
+  forces.inertia = inertia_gradient(problem, positions);
+  forces.gravity.resize(3 * model.num_nodes());
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    forces.gravity.segment<3>(3 * node) = model.node_mass[node] * problem.options->gravity;
+  forces.elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
+  forces.limit = VectorXd::Zero(3 * model.num_nodes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    if (limit_factors[e] > 0)
+      for (int n = 0; n < 8; ++n)
+        forces.limit.segment<3>(3 * model.hexes(e, n)) +=
+            limit_factors[e] * evaluation.limit_gradient(e).segment<3>(3 * n);
+  forces.contact = VectorXd::Zero(3 * model.num_nodes());
+  for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, forces.contact);
+  return forces;
+}
+
 // what moves the heaviest node by the negligible distance
 double negligible_force(const StepProblem& problem) {
   double largest = 0;
@@ -45,6 +71,13 @@ double negligible_force(const StepProblem& problem) {
     largest = std::max(largest, problem.model->node_mass.segment(body.first_node, body.num_nodes).maxCoeff() *
                                     negligible_motion * body.cell_size / (problem.h * problem.h));
   return largest;
+}
+
+double largest_of(const StepProblem& problem, const Forces& forces) {
+  const Model& model = *problem.model;
+  return std::max({max_norm(model, forces.inertia + forces.gravity), max_norm(model, forces.elastic),
+                   max_norm(model, forces.limit), max_norm(model, forces.contact), max_norm(model, forces.gravity),
+                   negligible_force(problem)});
 }
 
 }  // namespace
@@ -59,6 +92,7 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   evaluation.elastic.resize(24, model.num_hexes());
   evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
   evaluation.limit.resize(24, own_limit_gradient ? model.num_hexes() : 0);
+  evaluation.elastic_energy.resize(model.num_hexes());
   evaluation.energy.resize(model.num_hexes());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
@@ -66,7 +100,10 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
       const Matrix8x3d x = hex_nodes(model, positions, e);
       const CorotatedHex hex = corotate(shape, solver.rotation, x);
       const double young = problem.young[e];
-      evaluation.energy[e] = elastic_energy(measured_stiffness(shape, solver.energy), young, hex);
+      evaluation.elastic_energy[e] = elastic_energy(shape.stiffness, young, hex);
+      evaluation.energy[e] = solver.energy == EnergyMeasure::true_energy
+                                 ? evaluation.elastic_energy[e]
+                                 : elastic_energy(measured_stiffness(shape, solver.energy), young, hex);
       evaluation.elastic.col(e) =
           exact_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
       if (own_limit_gradient)
@@ -103,27 +140,37 @@ VectorXd inertia_gradient(const StepProblem& problem, const Points& positions) {
   return gradient;
 }
 
+double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  double sum = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    const Vector3d motion = (positions.row(node) - problem.positions_t0.row(node)).transpose();
+    const Vector3d unforeseen = motion - h * problem.velocities_t0.row(node).transpose();
+    sum += model.node_mass[node] *
+           (unforeseen.squaredNorm() / (2 * h * h) + problem.damping_mass[node] * motion.squaredNorm() / (2 * h) -
+            problem.options->gravity.dot(motion));
+  }
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) sum += evaluation.elastic_energy[e];
+  for (Eigen::Index e = 0; e < evaluation.damping.cols(); ++e) {
+    const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
+    sum += 0.5 * evaluation.damping.col(e).dot(Eigen::Map<const Vector24d>(motion.data()));
+  }
+  return sum;
+}
+
+double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                   const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  return largest_of(problem, forces_at(problem, evaluation, positions, limit_factors, contacts));
+}
+
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
-  const Model& model = *problem.model;
-  VectorXd gravity(3 * model.num_nodes()), contact = VectorXd::Zero(3 * model.num_nodes());
-  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
-    gravity.segment<3>(3 * node) = model.node_mass[node] * problem.options->gravity;
   double cone = 0;
-  for (const Contact& c : contacts) {
-    spread(model, c, c.impulse / problem.h, contact);
-    cone = std::max(cone, cone_residual(problem, positions, c));
-  }
-  VectorXd limit = VectorXd::Zero(3 * model.num_nodes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-    if (limit_factors[e] > 0)
-      for (int n = 0; n < 8; ++n)
-        limit.segment<3>(3 * model.hexes(e, n)) += limit_factors[e] * evaluation.limit_gradient(e).segment<3>(3 * n);
-  const VectorXd elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
-  const VectorXd inertia = inertia_gradient(problem, positions);  // gravity included
-  const double scale = std::max({max_norm(model, inertia + gravity), max_norm(model, elastic), max_norm(model, limit),
-                                 max_norm(model, contact), max_norm(model, gravity), negligible_force(problem)});
-  return std::max(max_norm(model, inertia + elastic + limit - contact), cone) / scale;
+  for (const Contact& contact : contacts) cone = std::max(cone, cone_residual(problem, positions, contact));
+  const Forces forces = forces_at(problem, evaluation, positions, limit_factors, contacts);
+  const VectorXd sum = forces.inertia + forces.elastic + forces.limit - forces.contact;
+  return std::max(max_norm(*problem.model, sum), cone) / largest_of(problem, forces);
 }
 
 }  // namespace umax

@@ -15,6 +15,7 @@ struct Evaluation {
   HexColumns elastic;               // [N] dU/dx of the true energy
   HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
   HexColumns limit;                 // [N] d(measured energy)/dx; no columns where it equals `elastic`
+  VectorXd elastic_energy;          // [J] true energy
   VectorXd energy;                  // [J] measured energy
 
   auto limit_gradient(Eigen::Index hex) const { return limit.cols() ? limit.col(hex) : elastic.col(hex); }
@@ -29,6 +30,15 @@ VectorXd gather(const Model& model, const HexColumns& elements);
 /// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g: what inertia, mass damping and gravity demand [N], fixed nodes
 /// too.
 VectorXd inertia_gradient(const StepProblem& problem, const Points& positions);
+
+/// What a step without limits and contacts minimises [J]: 1/(2 h^2) |x - x0 - h v0|^2_M + damping + elastic energy -
+/// m g . (x - x0), with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
+double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions);
+
+/// The largest max-norm [N] among inertia, elastic, limit, contact and gravity forces, what kkt_residual() is relative
+/// to. Forces that would move a node by less than a millionth of a cell count as none.
+double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                   const VectorXd& limit_factors, const std::vector<Contact>& contacts);
 
 /// Stationarity of the positions for the exact step: max-norm of the gradient of the Lagrangian over the largest
 /// max-norm of its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone

@@ -32,6 +32,12 @@ inline LimitTerms hard_limit_terms(double energy, double limit, double multiplie
   return {t / limit, multiplier / limit, penalty / (limit * limit)};
 }
 
+/// Value [J] of the augmented term whose slope is hard_limit_terms().force.
+inline double hard_limit_energy(double energy, double limit, double multiplier, double penalty) {
+  const double t = std::max(0.0, multiplier + penalty * (energy / limit - 1));
+  return t * t / (2 * penalty);
+}
+
 /// Value [J] of the barrier, and its terms.
 inline double soft_limit_energy(double energy, double limit, const SoftLimitOptions& options) {
   const double s = 1 - energy / limit, delta = options.delta;

@@ -107,7 +107,6 @@ struct State {
   };
   double time = 0;             // [s]
   long long step = 0;          // time steps done
-  double substep = 0;          // [s] size of the last accepted sub-step; 0: not reduced
   bool been_feasible = false;  // all hard limits have held once
   Points positions;            // #N x 3 [m]
   Points velocities;           // #N x 3 [m/s]

@@ -260,7 +260,17 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   move_to_velocity(problem, iterate);
 
   bool must_solve = !iterate.contacts.empty();  // remembered impulses are a guess, not a solution
-  while (!constraints_hold(problem, workspace.cholesky, iterate) || must_solve) {
+  double largest_move = 0;
+  while (true) {
+    const bool hold = constraints_hold(problem, workspace.cholesky, iterate);
+    if (problem.options->on_iteration)
+      problem.options->on_iteration({.iteration = report.sqp_iterations,
+                                     .max_energy_ratio = iterate.ratios.maxCoeff(),
+                                     .max_penetration = deepest(iterate.contacts),
+                                     .largest_move = largest_move,
+                                     .limits_active = int((iterate.multipliers.array() > 0).count()),
+                                     .contacts = int(iterate.contacts.size())});
+    if (hold && !must_solve) break;
     must_solve = false;
     if (report.sqp_iterations == problem.options->solver.max_iterations) {
       report.status = StepStatus::iteration_limit;
@@ -268,10 +278,9 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
     }
     ++report.sqp_iterations;
     report.linear_iterations += correct(problem, workspace.cholesky, iterate);
+    const Points before = iterate.positions;
     move_to_velocity(problem, iterate);
-    if (problem.options->on_iteration)
-      problem.options->on_iteration(report.sqp_iterations, iterate.ratios.maxCoeff(),
-                                    -worst_gap(model, iterate.contacts), 0.0);
+    largest_move = umax::largest_move(model, flatten(iterate.positions - before));
   }
 
   state.positions = iterate.positions;

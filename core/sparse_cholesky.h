@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/system_matrix.h"
 
@@ -14,6 +15,10 @@ class SparseCholesky {
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
 
+  /// The nodes (ascending) whose unknowns are eliminated last from the next factorize() on, which analyses the pattern
+  /// anew if they are others than before: costs fill, and makes half_solve_last() dense, small and fast.
+  void eliminate_last(std::vector<int> nodes);
+
   /// Numeric factorisation; analyses the pattern on the first call. False if the matrix is not positive definite.
   bool factorize(const SystemMatrix& matrix);
 
@@ -23,7 +28,16 @@ class SparseCholesky {
   /// Overwrites each column b with z = L^-1 P b, so that z_i . z_j = b_i . A^-1 b_j: half the work of solve().
   void half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
+  /// Number of unknowns eliminated last, and the row in [0, num_last) of one of them; -1: it is not among them.
+  int num_last() const;
+  int last_row(int node, int axis) const;
+
+  /// half_solve() of columns that are zero but for the unknowns eliminated last: num_last() rows.
+  void half_solve_last(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
  private:
+  void analyse(const SystemMatrix& matrix);
+  void extract_last();
   void solve_in_place(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
   struct Data;
   std::unique_ptr<Data> data_;

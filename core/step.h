@@ -20,11 +20,23 @@ struct SolverOptions {
   EnergyMeasure energy = EnergyMeasure::true_energy;
   RotationEstimate rotation = RotationEstimate::centre;
   LimitJacobian jacobian = LimitJacobian::exact;
-  int max_iterations = 100;        // paper: re-linearisations a step
-  int max_newton_iterations = 20;  // exact: factorisations after which the step is halved instead
-  int max_halvings = 6;            // exact: of a step that does not converge
-  int max_sweeps = 2000;           // Gauss-Seidel sweeps a re-linearisation
-  double sweep_tolerance = 1e-6;   // [-] relative change at which the sweeps stop
+  int max_iterations = 100;            // paper: re-linearisations a step
+  int max_newton_iterations = 20;      // exact: factorisations after which a line search takes over
+  int max_augmented_iterations = 100;  // exact: factorisations of the line search after which the step is halved
+  int max_halvings = 6;                // exact: of a step that does not converge
+  int max_sweeps = 2000;               // Gauss-Seidel sweeps a re-linearisation
+  double sweep_tolerance = 1e-6;       // [-] relative change at which the sweeps stop
+};
+
+/// What a solver knows in the middle of a step.
+struct IterationReport {
+  int iteration = 0;
+  double max_energy_ratio = 0;  // [-]
+  double max_penetration = 0;   // [m] of the contacts in the working set
+  double largest_move = 0;      // [cells] of a node in the last iteration
+  double kkt_residual = 0;      // [-] exact method; 0: paper, which has none before its end
+  int limits_active = 0;
+  int contacts = 0;
 };
 
 struct StepOptions {
@@ -32,7 +44,7 @@ struct StepOptions {
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   SolverOptions solver{};
   /// Called once an iteration when set (umax simulate --verbose).
-  std::function<void(int iteration, double max_energy_ratio, double max_penetration, double change)> on_iteration{};
+  std::function<void(const IterationReport&)> on_iteration{};
 };
 
 enum class StepStatus {

@@ -69,6 +69,20 @@ void spread(const Model& model, const Contact& contact, const Vector3d& force, E
   for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(contact.hex, n)) += contact.weights[n] * force;
 }
 
+double largest_move(const Model& model, const VectorXd& step) {
+  double largest = 0;
+  for (const Model::BodyRange& body : model.bodies)
+    for (int node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      largest = std::max(largest, step.segment<3>(3 * node).norm() / body.cell_size);
+  return largest;
+}
+
+double deepest(const std::vector<Contact>& contacts) {
+  double depth = 0;
+  for (const Contact& contact : contacts) depth = std::max(depth, -contact.gap);
+  return depth;
+}
+
 void remember_contacts(const std::vector<Contact>& contacts, State& state) {
   state.contacts.clear();
   for (const Contact& contact : contacts)

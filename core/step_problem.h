@@ -38,6 +38,12 @@ VectorXd energy_ratios(const StepProblem& problem, const Points& positions);
 /// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
 
+/// Largest node displacement [cells of its body] of a step of 3 #N [m].
+double largest_move(const Model& model, const VectorXd& step);
+
+/// Depth [m] of the deepest contact of a working set, 0 where all are open.
+double deepest(const std::vector<Contact>& contacts);
+
 /// The impulses that the next step starts from.
 void remember_contacts(const std::vector<Contact>& contacts, State& state);
 

@@ -97,9 +97,12 @@ std::string describe(const StepReport& report) {
 StepOptions step_options(const Simulation& simulation, bool verbose, Progress& progress) {
   StepOptions options = simulation.options;
   if (verbose)
-    options.on_iteration = [&progress](int iteration, double ratio, double penetration, double change) {
-      progress.note(fmt::format("  iteration {}: max_energy_ratio {:.6g}, max_penetration {:.3g} m, change {:.3g}",
-                                iteration, ratio, penetration, change));
+    options.on_iteration = [&progress](const IterationReport& at) {
+      progress.note(fmt::format(
+          "  iteration {}: max_energy_ratio {:.6g}, max_penetration {:.2e} m, largest move {:.2e} cells, kkt_residual "
+          "{:.2e}, {} limits, {} contacts",
+          at.iteration, at.max_energy_ratio, at.max_penetration, at.largest_move, at.kkt_residual, at.limits_active,
+          at.contacts));
     };
   return options;
 }

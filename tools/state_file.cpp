@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "state files are little-endian");
 
 constexpr std::string_view magic = "UMAXSTAT";
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t digest_size = 64, header_size = 8 + 4 + 4 + digest_size;
 
 // Structures are taken apart by structured bindings with all their members: one that is added and forgotten here does
@@ -118,10 +118,10 @@ void add_options(Writer& out, const StepOptions& options) {
   static_cast<void>(on_iteration);  // watches, changes nothing
   out.put(time_step);
   out.put_matrix(gravity);
-  const auto& [method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations, max_halvings,
-               max_sweeps, sweep_tolerance] = solver;
-  out.put_all(method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations, max_halvings,
-              max_sweeps, sweep_tolerance);
+  const auto& [method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
+               max_augmented_iterations, max_halvings, max_sweeps, sweep_tolerance] = solver;
+  out.put_all(method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
+              max_augmented_iterations, max_halvings, max_sweeps, sweep_tolerance);
 }
 
 // ---- reading ----
@@ -216,12 +216,12 @@ Digest model_digest(const Model& model, const StepOptions& options) {
 }
 
 std::string encode_state(const State& state, const Digest& model) {
-  const auto& [time, step, substep, been_feasible, positions, velocities, limit_multipliers, contacts] = state;
+  const auto& [time, step, been_feasible, positions, velocities, limit_multipliers, contacts] = state;
   Writer writer;
   writer.bytes.append(magic);
   writer.put_all(version, std::uint32_t(0));
   writer.bytes.append(model);
-  writer.put_all(time, std::int64_t(step), substep, std::uint64_t(been_feasible));
+  writer.put_all(time, std::int64_t(step), std::uint64_t(been_feasible));
   writer.put_matrix(positions);
   writer.put_matrix(velocities);
   writer.put_matrix(limit_multipliers);
@@ -240,7 +240,6 @@ State decode_state(std::string_view bytes, const std::string& where, Digest& mod
   State state;
   state.time = reader.get<double>();
   state.step = reader.get<std::int64_t>();
-  state.substep = reader.get<double>();
   state.been_feasible = reader.get<std::uint64_t>() != 0;
   state.positions = reader.get_points();
   state.velocities = reader.get_points();

@@ -28,6 +28,18 @@ TEST_CASE("the soft limit's force and curvature are derivatives of its energy, o
   CHECK(terms.stiffening == terms.force);
 }
 
+TEST_CASE("the hard limit's augmented force is the derivative of its energy") {
+  const double limit = 3, penalty = 50;
+  for (const double multiplier : {0.0, 4.0})
+    for (const double U : {2.0, 2.9, 3.4}) {
+      const double d = 1e-6;
+      const double slope = (hard_limit_energy(U + d, limit, multiplier, penalty) -
+                            hard_limit_energy(U - d, limit, multiplier, penalty)) /
+                           (2 * d);
+      CHECK(hard_limit_terms(U, limit, multiplier, penalty).force == Approx(slope).margin(1e-7));
+    }
+}
+
 TEST_CASE("the soft limit joins its quadratic part without a jump in value, slope or curvature") {
   const SoftLimitOptions options;
   const double limit = 2, joint = limit * (1 - options.delta), d = 1e-9;

@@ -1,0 +1,144 @@
+#include "core/augmented_lagrangian.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/newton_system.h"
+
+namespace umax {
+namespace {
+
+constexpr double relative_penalty = 1e3;          // rho / U_max
+constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
+constexpr int max_inner_iterations = 12;          // factorisations between updates of the multipliers
+constexpr int max_backtracks = 25;
+constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
+constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradient
+
+double contact_penalty(const StepProblem& problem, const Contact& contact) {
+  const Model& model = *problem.model;
+  double mass = 0;
+  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
+  const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
+  return relative_contact_penalty * (stiffness + mass / (problem.h * problem.h));
+}
+
+// motion [m] of the contact point relative to the obstacle during the step
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  const Model& model = *problem.model;
+  return embedded_position(model, positions, contact.hex, contact.weights) -
+         embedded_position(model, problem.positions_t0, contact.hex, contact.weights) - contact.obstacle_motion;
+}
+
+Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
+  Linearisation at;
+  at.limits.resize(problem.limits.size());
+  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
+    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
+    const LimitKind kind = limit_kind(*problem.model, e);
+    if (kind == LimitKind::hard) {
+      at.limits[e] = hard_limit_terms(energy, limit, iterate.multipliers[e], relative_penalty * limit);
+      at.limits[e].stiffening = at.limits[e].force;  // L's own Hessian
+    } else if (kind == LimitKind::soft) {
+      at.limits[e] = soft_limit_terms(energy, limit, {});
+    }
+  }
+  for (const Contact& contact : iterate.contacts)
+    at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
+                                            relative_motion(problem, iterate.positions, contact),
+                                            contact_penalty(problem, contact)));
+  return at;
+}
+
+double lagrangian(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
+  double sum = incremental_potential(problem, iterate.evaluation, iterate.positions);
+  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
+    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
+    const LimitKind kind = limit_kind(*problem.model, e);
+    if (kind == LimitKind::hard)
+      sum += hard_limit_energy(energy, limit, iterate.multipliers[e], relative_penalty * limit);
+    else if (kind == LimitKind::soft)
+      sum += soft_limit_energy(energy, limit, {});
+  }
+  for (const ContactTerms& terms : at.contacts) sum += terms.energy;
+  return sum;
+}
+
+// the iterate moved by a step, contacts along the normals that they have
+void move(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+  iterate.positions += unflatten(step);
+  iterate.last_move = largest_move(*problem.model, step);
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  follow_contacts(problem.contact, iterate.positions, iterate.contacts);
+}
+
+// Newton's method on L with the multipliers held
+void minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
+              StepReport& report) {
+  for (int i = 0; i < std::min(budget, max_inner_iterations); ++i) {
+    const Linearisation at = linearise(problem, iterate);
+    const VectorXd slope = gradient(problem, iterate, at);
+    VectorXd forces(problem.limits.size());
+    for (Eigen::Index e = 0; e < forces.size(); ++e) forces[e] = at.limits[e].force;
+    const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
+    if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale) return;
+
+    ++report.sqp_iterations;
+    report.factorisations += factorize(problem, iterate, at, workspace);
+    VectorXd step = -slope;
+    workspace.cholesky.solve(step);
+    step /= std::max(1.0, largest_move(*problem.model, step));  // no node further than one cell
+
+    const double before = lagrangian(problem, iterate, at), promised = slope.dot(step);
+    Iterate trial;
+    double share = 1;
+    int backtracks = 0;
+    for (; backtracks < max_backtracks; ++backtracks, share *= 0.5) {
+      trial = iterate;
+      move(problem, share * step, trial);
+      if (lagrangian(problem, trial, linearise(problem, trial)) <= before + sufficient_decrease * share * promised)
+        break;
+    }
+    if (backtracks == max_backtracks) return;  // as low as rounding lets it
+    iterate = std::move(trial);
+    add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+  }
+}
+
+void update_multipliers(const StepProblem& problem, Iterate& iterate) {
+  for (Eigen::Index e = 0; e < problem.limits.size(); ++e)
+    if (limit_kind(*problem.model, e) == LimitKind::hard)
+      iterate.multipliers[e] =
+          std::max(0.0, iterate.multipliers[e] + relative_penalty * (iterate.evaluation.energy[e] - problem.limits[e]));
+  for (Contact& contact : iterate.contacts) {
+    const double penalty = contact_penalty(problem, contact);
+    const Vector3d n = contact.normal;
+    const Vector3d pushed =
+        contact.impulse / problem.h - penalty * relative_motion(problem, iterate.positions, contact);
+    const double normal = std::max(0.0, n.dot(contact.impulse) / problem.h - penalty * contact.gap);
+    const Vector3d tangential = project_to_disc(pushed - n.dot(pushed) * n, contact.friction * normal);
+    contact.impulse = problem.h * (normal * n + tangential);
+  }
+}
+
+}  // namespace
+
+bool augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
+                          StepReport& report) {
+  const int first = report.sqp_iterations, most = problem.options->solver.max_augmented_iterations;
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+  while (true) {
+    minimise(problem, workspace, most - (report.sqp_iterations - first), iterate, report);
+    update_multipliers(problem, iterate);
+    update_contacts(problem.contact, iterate.positions, iterate.contacts);
+    const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+    const Quality quality = assess(problem, iterate);
+    tell(problem, report.sqp_iterations, quality, iterate);
+    report.kkt_residual = quality.kkt;
+    if (added == 0 && is_solution(problem, quality, iterate)) return true;
+    if (report.sqp_iterations - first >= most) return false;
+  }
+}
+
+}  // namespace umax

@@ -1,0 +1,99 @@
+#include "core/iterate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/limit_law.h"
+#include "core/rotation.h"
+
+namespace umax {
+namespace {
+
+constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
+
+// the body's rest shape, moved and turned to where its nodes are
+void place_undeformed(const Model& model, const Model::BodyRange& body, Points& positions) {
+  const auto mass = model.node_mass.segment(body.first_node, body.num_nodes);
+  const auto rest = model.rest_positions.middleRows(body.first_node, body.num_nodes);
+  auto placed = positions.middleRows(body.first_node, body.num_nodes);
+  const Eigen::RowVector3d rest_centre = mass.transpose() * rest / mass.sum();
+  const Eigen::RowVector3d centre = mass.transpose() * placed / mass.sum();
+  const Points arms = rest.rowwise() - rest_centre;
+  const Matrix3d rotation = polar_rotation((placed.rowwise() - centre).transpose() * mass.asDiagonal() * arms);
+  placed = (arms * rotation.transpose()).rowwise() + centre;
+}
+
+}  // namespace
+
+LimitKind limit_kind(const Model& model, Eigen::Index hex) {
+  return model.bodies[model.hex_body[hex]].limit.kind;
+}
+
+Iterate predict(const StepProblem& problem, const State& state) {
+  Iterate iterate;
+  iterate.positions = problem.positions_t0 + problem.h * problem.velocities_t0;
+  for (Eigen::Index node = 0; node < iterate.positions.rows(); ++node)
+    if (problem.model->node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
+  iterate.multipliers = state.limit_multipliers;
+  iterate.contacts = recall_contacts(problem, state, iterate.positions);
+  return iterate;
+}
+
+Iterate predict_undeformed(const StepProblem& problem, const State& state) {
+  const Model& model = *problem.model;
+  Iterate iterate = predict(problem, state);
+  for (const Model::BodyRange& body : model.bodies) place_undeformed(model, body, iterate.positions);
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    if (model.node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
+  iterate.multipliers.setZero();
+  for (Contact& contact : iterate.contacts) contact.impulse.setZero();
+  update_contacts(problem.contact, iterate.positions, iterate.contacts);
+  return iterate;
+}
+
+VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
+  VectorXd factors = VectorXd::Zero(problem.limits.size());
+  for (Eigen::Index e = 0; e < factors.size(); ++e) {
+    const LimitKind kind = limit_kind(*problem.model, e);
+    if (kind == LimitKind::hard) factors[e] = iterate.multipliers[e] / problem.limits[e];
+    if (kind == LimitKind::soft)
+      factors[e] = soft_limit_terms(iterate.evaluation.energy[e], problem.limits[e], {}).force;
+  }
+  return factors;
+}
+
+Quality assess(const StepProblem& problem, const Iterate& iterate) {
+  const Model& model = *problem.model;
+  Quality quality;
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
+    if (limit_kind(model, e) != LimitKind::hard) continue;
+    const double ratio = iterate.evaluation.energy[e] / problem.limits[e];
+    quality.max_ratio = std::max(quality.max_ratio, ratio);
+    if (iterate.multipliers[e] > problem.options->solver.tolerance * problem.limits[e])
+      quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
+  }
+  for (const Contact& contact : iterate.contacts)
+    quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));
+  quality.kkt =
+      kkt_residual(problem, iterate.evaluation, iterate.positions, limit_factors(problem, iterate), iterate.contacts);
+  return quality;
+}
+
+bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
+  const double tolerance = problem.options->solver.tolerance;
+  return quality.kkt <= tolerance && quality.max_ratio <= 1 + tolerance && quality.complementarity <= tolerance &&
+         quality.depth <= joining_share && iterate.last_move <= settled_move;
+}
+
+void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {
+  if (!problem.options->on_iteration) return;
+  problem.options->on_iteration({.iteration = iteration,
+                                 .max_energy_ratio = quality.max_ratio,
+                                 .max_penetration = deepest(iterate.contacts),
+                                 .largest_move = iterate.last_move,
+                                 .kkt_residual = quality.kkt,
+                                 .limits_active = int((limit_factors(problem, iterate).array() > 0).count()),
+                                 .contacts = int(iterate.contacts.size())});
+}
+
+}  // namespace umax

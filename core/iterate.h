@@ -1,0 +1,47 @@
+// The exact method's unknowns as they are improved, and how far they are from the step's solution.
+#pragma once
+
+#include <vector>
+
+#include "core/evaluation.h"
+
+namespace umax {
+
+constexpr double joining_share = 0.5;  // of the penetration tolerance: deeper vertices join the working set
+
+struct Iterate {
+  Points positions;               // #N x 3 [m]
+  VectorXd multipliers;           // #E force-level [J]
+  std::vector<Contact> contacts;  // working set, impulses in N s
+  Evaluation evaluation;          // at positions
+  double last_move = 0;           // [cells] largest node displacement of the last iteration
+};
+
+/// What decides whether the iterate is the solution.
+struct Quality {
+  double kkt = 0;
+  double max_ratio = 0;        // [-] U/U_max of hard limits
+  double complementarity = 0;  // [-] |U/U_max - 1| where a multiplier pushes
+  double depth = 0;            // deepest working-set contact, in penetration tolerances
+};
+
+/// The step's predictor with the multipliers and impulses of the last step.
+Iterate predict(const StepProblem& problem, const State& state);
+
+/// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
+Iterate predict_undeformed(const StepProblem& problem, const State& state);
+
+/// lambda/U_max, or the barrier's slope: #E factors [-] on G in the gradient of the Lagrangian.
+VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate);
+
+Quality assess(const StepProblem& problem, const Iterate& iterate);
+
+/// All constraints, stationarity and the last move within the solver's tolerance.
+bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate);
+
+/// Reports the iterate to StepOptions::on_iteration.
+void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
+
+LimitKind limit_kind(const Model& model, Eigen::Index hex);
+
+}  // namespace umax

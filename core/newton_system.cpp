@@ -1,0 +1,83 @@
+#include "core/newton_system.h"
+
+namespace umax {
+namespace {
+
+// the matrix of one element; `exact` false: warped stiffness, positive semi-definite
+void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
+                    bool exact, Matrix24d& element) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const HexShape& shape = model.shapes[model.hex_shape[e]];
+  const Matrix8x3d& h = shape.rotation_gradients[int(solver.rotation)];
+  const CorotatedHex& hex = evaluation.hexes[e];
+  const auto hessian = [&](const Matrix24d& K) -> Matrix24d {
+    return exact ? exact_hessian(K, problem.young[e], h, hex) : warped_hessian(K, problem.young[e], hex);
+  };
+  element = hessian(shape.stiffness);
+  if (terms.stiffening > 0) {
+    if (solver.energy == EnergyMeasure::true_energy)
+      element *= 1 + terms.stiffening;
+    else
+      element += terms.stiffening * hessian(measured_stiffness(shape, solver.energy));
+  }
+  if (terms.rank_one > 0) {
+    const Vector24d G = evaluation.limit_gradient(e);
+    element.noalias() += terms.rank_one * G * G.transpose();
+  }
+  if (problem.damping_stiffness[e] > 0) {
+    const CorotatedHex start = corotate(shape, solver.rotation, hex_nodes(model, problem.positions_t0, e));
+    element += problem.damping_stiffness[e] / problem.h * warped_hessian(shape.stiffness, problem.young[e], start);
+  }
+}
+
+// a contact touches the nodes of one hex only
+void add_contact_matrix(const Contact& contact, const Matrix3d& stiffness, Matrix24d& element) {
+  for (int m = 0; m < 8; ++m)
+    for (int n = 0; n < 8; ++n)
+      element.block<3, 3>(3 * m, 3 * n) += contact.weights[m] * contact.weights[n] * stiffness;
+}
+
+// indices of the contacts whose stiffness joins the matrix; no lists where none does
+std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate& iterate, const Linearisation& at) {
+  std::vector<std::vector<int>> in_hex(at.contacts.empty() ? 0 : model.num_hexes());
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) in_hex[iterate.contacts[i].hex].push_back(int(i));
+  return in_hex;
+}
+
+}  // namespace
+
+int factorize(const StepProblem& problem, const Iterate& iterate, const Linearisation& at, Workspace::Data& workspace) {
+  const double h = problem.h;
+  const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();
+  const std::vector<std::vector<int>> in_hex = contacts_by_hex(*problem.model, iterate, at);
+  int attempts = 0;
+  for (const bool exact : {true, false}) {
+    reset(workspace.matrix);
+    add_mass(mass, 1, workspace.matrix);
+    add_elements(workspace.matrix, [&](Eigen::Index e, Matrix24d& element) {
+      element_matrix(problem, iterate.evaluation, at.limits[e], e, exact, element);
+      if (!in_hex.empty())
+        for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
+    });
+    ++attempts;
+    if (workspace.cholesky.factorize(workspace.matrix)) break;
+  }
+  return attempts;
+}
+
+VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
+  const Model& model = *problem.model;
+  VectorXd sum = inertia_gradient(problem, iterate.positions) + gather(model, iterate.evaluation.elastic) +
+                 gather(model, iterate.evaluation.damping);
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    if (at.limits[e].force > 0)
+      for (int n = 0; n < 8; ++n)
+        sum.segment<3>(3 * model.hexes(e, n)) +=
+            at.limits[e].force * iterate.evaluation.limit_gradient(e).segment<3>(3 * n);
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) spread(model, iterate.contacts[i], -at.contacts[i].force, sum);
+  clear_fixed(model, sum);
+  return sum;
+}
+
+}  // namespace umax

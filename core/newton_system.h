@@ -1,0 +1,26 @@
+// The linear system of one Newton iteration: inertia, damping, elasticity, limits and, in the safety net, contacts.
+#pragma once
+
+#include <vector>
+
+#include "core/contact_law.h"
+#include "core/iterate.h"
+#include "core/limit_law.h"
+#include "core/workspace.h"
+
+namespace umax {
+
+/// What limits and contacts add at an iterate.
+struct Linearisation {
+  std::vector<LimitTerms> limits;      // #E
+  std::vector<ContactTerms> contacts;  // one per contact of the iterate, or none where they are solved for apart
+};
+
+/// Factors the Hessian at the iterate: exact elasticity where that is positive definite, else warped stiffness. Returns
+/// the number of factorisations tried.
+int factorize(const StepProblem& problem, const Iterate& iterate, const Linearisation& at, Workspace::Data& workspace);
+
+/// Gradient [N] of inertia, damping, elasticity, gravity, limits and contacts: 3 #N, fixed nodes zero.
+VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at);
+
+}  // namespace umax
