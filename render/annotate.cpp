@@ -95,14 +95,6 @@ void write_text(cairo_t* cairo, const std::string& text, double x, double baseli
   cairo_show_text(cairo, text.c_str());
 }
 
-/// Steps of 1, 2 or 5 times a power of ten that give four to eight ticks.
-double tick_step(double span) {
-  const double rough = span / 5, power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= rough * 0.8) return factor * power;
-  return 10 * power;
-}
-
 std::string number_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", std::abs(value) < 1e-12 ? 0.0 : value);
@@ -153,6 +145,13 @@ void draw_ticks(cairo_t* cairo, const Bar& bar, const Legend& legend) {
 }
 
 }  // namespace
+
+double tick_step(double span, int num_ticks) {
+  const double rough = span / num_ticks, power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= rough * 0.8) return factor * power;
+  return 10 * power;
+}
 
 void draw_legend(Image8& image, const Legend& legend) {
   if (!(legend.high > legend.low)) return;

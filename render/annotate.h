@@ -9,6 +9,9 @@
 
 namespace umax {
 
+/// The distance of ticks on an axis: 1, 2 or 5 times a power of ten, about `num_ticks` of them over `span`.
+double tick_step(double span, int num_ticks = 5);
+
 /// Draws the colour bar of color_of_value() with title, ticks and numbers into the right edge of an RGB picture. A bar
 /// that ends at 1 shows the limit's red as a cap of its own.
 void draw_legend(Image8& image, const Legend& legend);

@@ -16,6 +16,7 @@
 #include "tools/frame_list.h"
 #include "tools/signals.h"
 #include "tools/simulate.h"
+#include "tools/step_plots.h"
 #include "tools/threads.h"
 
 namespace umax {
@@ -72,11 +73,24 @@ void check_before_start(const Job& job) {
   require_clip_encoder();
 }
 
+/// Simulates and plots what steps.csv then holds, also when --strict ends the run.
+SimulateResult simulate_and_plot(const Simulation& simulation, const RunFolder& folder, const SimulateOptions& options,
+                                 Progress& progress) {
+  try {
+    const SimulateResult result = simulate(simulation, folder, options, progress);
+    write_step_plots(folder, simulation.scene);
+    return result;
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::try_again) write_step_plots(folder, simulation.scene);
+    throw;
+  }
+}
+
 /// Simulates; returns the signal that stopped it, or 0.
 int simulate_stage(const Simulation& simulation, const RunFolder& folder, const Options& options, int last_frame,
                    RecordKeeper& keeper, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const SimulateResult result = simulate(
+  const SimulateResult result = simulate_and_plot(
       simulation, folder, {.last_frame = last_frame, .strict = options.strict, .verbose = options.verbose}, progress);
   RunRecord& record = keeper.record();
   record.simulate_seconds += seconds_since(start);

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "tools/frame_list.h"
 #include "tools/run_record.h"
+#include "tools/step_plots.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -70,6 +71,8 @@ void remove_run(const RunFolder& folder) {
   folder.remove_pictures();
   remove_numbered(folder.states(), {".state"});
   std::error_code error;
+  for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
+  if (fs::is_empty(folder.plots(), error)) fs::remove(folder.plots(), error);
   for (const fs::path& file : {folder.steps(), folder.scene(), folder.record()}) fs::remove(file, error);
 }
 
@@ -121,7 +124,7 @@ RunFolder::RunFolder(const fs::path& path, ExistingFolder existing) : path_(fs::
   lock_ = open_lock(path_);
   if (is_new) return;
   if (existing == ExistingFolder::overwrite) remove_run(*this);
-  for (const fs::path& folder : {path_, states(), frames()}) remove_files(folder, is_leftover);
+  for (const fs::path& folder : {path_, states(), frames(), plots()}) remove_files(folder, is_leftover);
 }
 
 RunFolder::~RunFolder() {

@@ -34,6 +34,7 @@ class RunFolder {
   std::filesystem::path clip() const { return path_ / "clip.mp4"; }
   std::filesystem::path states() const { return path_ / "states"; }
   std::filesystem::path frames() const { return path_ / "frames"; }
+  std::filesystem::path plots() const { return path_ / "plots"; }
   std::filesystem::path state(int frame) const;
   std::filesystem::path picture(int frame, const std::string& extension = ".png") const;
 

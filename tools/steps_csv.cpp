@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -40,6 +42,20 @@ std::string_view column(std::string_view line, int index) {
     line.remove_prefix(comma + 1);
   }
   return line.substr(0, line.find(','));
+}
+
+/// The text up to the first comma, which is taken off `line` with it.
+std::string_view take_column(std::string_view& line) {
+  const std::string_view text = line.substr(0, line.find(','));
+  line.remove_prefix(std::min(line.size(), text.size() + 1));
+  return text;
+}
+
+/// The number that stands there alone; NaN when none does.
+double number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? number : std::nan("");
 }
 
 /// Bytes that header and the first `rows` rows take.
@@ -84,6 +100,9 @@ std::string format_step(const StepRow& row) {
 
 StepsFound read_steps(const std::filesystem::path& path, const std::string& header) {
   StepsFound found;
+  std::vector<std::vector<double>*> columns;
+  for (std::string_view names = header; !names.empty();)
+    columns.push_back(&found.columns[std::string(take_column(names))]);
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return found;
   const std::string text = read_file(path);
@@ -99,6 +118,7 @@ StepsFound read_steps(const std::filesystem::path& path, const std::string& head
     if (step != found.rows + 1) break;
     ++found.rows;
     found.converged.push_back(column(line, 3) == "converged");
+    for (std::vector<double>* values : columns) values->push_back(number_of(take_column(line)));
   }
   return found;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ const char* status_name(StepStatus status);
 /// What is on disk: whole rows that follow one another from step 1.
 struct StepsFound {
   long long rows = 0;
-  std::vector<bool> converged;  // one per row
+  std::vector<bool> converged;                         // one per row
+  std::map<std::string, std::vector<double>> columns;  // numbers by the header's names, one per row; status is NaN
 };
 /// Throws Error (bad_data) when the file has another header; a file that is not there has no rows.
 StepsFound read_steps(const std::filesystem::path& path, const std::string& header);

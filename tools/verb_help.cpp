@@ -14,9 +14,8 @@ const std::vector<VerbHelp>& verbs() {
        "  umax run figure -o falling --size 640x360\n"
        "  umax run beam --set body.beam.limit.energy=0.1J --set clip.frames=60\n"},
       {"simulate", "SCENE", "states and steps.csv only",
-       "Writes one state per frame and one row of steps.csv per time step. With --resume it goes on from the last "
-       "whole\n"
-       "state; the result is the same to the last bit as without the break.\n\n"
+       "Writes one state per frame and one row of steps.csv per time step, and draws the rows in DIR/plots. With\n"
+       "--resume it goes on from the last whole state; the result is the same to the last bit as without the break.\n\n"
        "  umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100\n"},
       {"render", "DIR", "frames (and clip) from the states in DIR",
        "Renders the frames whose states are in the run's folder, and encodes the clip. With -o the pictures go into "

@@ -5,6 +5,7 @@
 #include "tests/tools/temporary_folder.h"
 #include "tools/run_folder.h"
 #include "tools/run_record.h"
+#include "tools/step_plots.h"
 
 using namespace umax;
 namespace fs = std::filesystem;
@@ -20,6 +21,7 @@ void fill_like_a_run(const fs::path& path) {
   make_file(folder.scene(), "x");
   make_file(folder.steps(), "x");
   make_file(folder.clip(), "x");
+  for (const char* name : step_plot_names) make_file(folder.plots() / name, "x");
   write_run_record(folder.record(), {});
   for (int frame = 1; frame <= 3; ++frame) {
     make_file(folder.state(frame), "x");
@@ -70,23 +72,27 @@ TEST_CASE("overwriting removes what a run made and nothing else") {
   fill_like_a_run(temporary / "run");
   make_file(temporary / "run/notes.txt", "mine");
   make_file(temporary / "run/frames/best.png", "mine");
+  make_file(temporary / "run/plots/mine.svg", "mine");
   const RunFolder folder(temporary / "run", ExistingFolder::overwrite);
   for (const fs::path& path : {folder.scene(), folder.steps(), folder.clip(), folder.record(), folder.state(1),
-                               folder.picture(2), folder.picture(3, ".exr")})
+                               folder.picture(2), folder.picture(3, ".exr"), folder.plots() / step_plot_names[0]})
     CHECK(!fs::exists(path));
   CHECK(file_text(temporary / "run/notes.txt") == "mine");
   CHECK(file_text(temporary / "run/frames/best.png") == "mine");
+  CHECK(file_text(temporary / "run/plots/mine.svg") == "mine");
 }
 
 TEST_CASE("a run that goes on keeps everything but what a killed run left half-written") {
   const TemporaryFolder temporary;
   fill_like_a_run(temporary / "run");
   make_file(temporary / "run/states/.0004.state.part-123", "half");
+  make_file(temporary / "run/plots/.contacts.svg.part-123", "half");
   make_file(temporary / "run/.clip.mp4.part-123.mp4", "half");
   const RunFolder folder(temporary / "run", ExistingFolder::keep);
   CHECK(count_states(folder.path()) == 3);
   CHECK(fs::exists(folder.picture(3)));
   CHECK(!fs::exists(temporary / "run/states/.0004.state.part-123"));
+  CHECK(!fs::exists(temporary / "run/plots/.contacts.svg.part-123"));
   CHECK(!fs::exists(temporary / "run/.clip.mp4.part-123.mp4"));
 }
 

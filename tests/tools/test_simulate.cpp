@@ -2,6 +2,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
+#include "tools/step_plots.h"
 #include "tools/steps_csv.h"
 
 using namespace umax;
@@ -21,6 +22,11 @@ fs::path simulate_whole(const TemporaryFolder& folder, const fs::path& scene) {
 void check_same_run(const fs::path& a, const fs::path& b) {
   CHECK(states_of(a) == states_of(b));
   CHECK(steps_without_time(a) == steps_without_time(b));
+  for (const std::string name : step_plot_names) {
+    CAPTURE(name);
+    CHECK(fs::exists(a / "plots" / name));
+    if (name != "wall_ms.svg") CHECK(file_text(a / "plots" / name) == file_text(b / "plots" / name));
+  }
 }
 
 }  // namespace
@@ -78,6 +84,7 @@ TEST_CASE("a run that is asked to stop keeps what is complete and says which sig
   const Words simulate{UMAX_PROGRAM, "simulate", scene, "-o", run, "--set", "clip.frames=100000"};
   CHECK(run_process(Words{"bash", "-c", stop_in_the_middle, "bash"} + simulate).exit_code == 128 + 15);
   CHECK(file_text(folder / "run/run.json").find("\"exit_status\": 143") != std::string::npos);
+  for (const char* name : step_plot_names) CHECK(fs::exists(folder / "run/plots" / name));
   CHECK(!has_half_written_files(run));
 }
 
@@ -137,4 +144,32 @@ TEST_CASE("a clip may be made longer afterwards") {
   REQUIRE(exit_code_of({"simulate", scene.string(), "-o", (folder / "grown").string(), "--set", "clip.frames=4"}) == 0);
   REQUIRE(exit_code_of({"simulate", scene.string(), "-o", (folder / "grown").string(), "--resume"}) == 0);
   check_same_run(whole, folder / "grown");
+}
+
+TEST_CASE("plots that are missing are drawn again though there is nothing left to simulate") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), whole = simulate_whole(folder, scene);
+  const std::string before = file_text(whole / "plots/wall_ms.svg");
+  fs::remove_all(whole / "plots");
+  REQUIRE(exit_code_of({"simulate", scene.string(), "-o", whole.string(), "--resume"}) == 0);
+  CHECK(file_text(whole / "plots/wall_ms.svg") == before);
+  fs::remove_all(whole / "plots");
+  make_file(whole / "plots", "in the way");
+  CHECK(exit_code_of({"simulate", scene.string(), "-o", whole.string(), "--resume"}) == 74);
+}
+
+TEST_CASE("a strict run that ends at a step that did not converge has plots of those before") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene());
+  CHECK(exit_code_of({"simulate", scene.string(), "-o", (folder / "run").string(), "--strict", "--set",
+                      "solver.max_newton_iterations=2", "--set", "solver.max_halvings=0"}) == 75);
+  CHECK(states_of(folder / "run").size() > 2);
+  CHECK(fs::exists(folder / "run/plots/max_energy_ratio.svg"));
+}
+
+TEST_CASE("a run without a step has plots too") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene());
+  CHECK(exit_code_of({"simulate", scene.string(), "-o", (folder / "run").string(), "--frames", "1"}) == 0);
+  for (const char* name : step_plot_names) CHECK(fs::exists(folder / "run/plots" / name));
 }

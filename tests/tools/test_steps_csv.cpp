@@ -58,6 +58,9 @@ TEST_CASE("rows are appended and read back") {
   const StepsFound found = read_steps(path, steps_header({}));
   CHECK(found.rows == 3);
   CHECK(found.converged == std::vector<bool>{true, true, false});
+  CHECK(found.columns.at("time_s") == std::vector<double>{1.0 / 60, 2.0 / 60, 3.0 / 60});
+  CHECK(found.columns.at("limits_active") == std::vector<double>{3, 3, 3});
+  CHECK(found.columns.at("wall_ms") == std::vector<double>{1.25, 1.25, 1.25});
 }
 
 TEST_CASE("a run that goes on keeps the rows up to its state and loses the rest") {
