@@ -161,8 +161,12 @@ TEST_CASE("plots that are missing are drawn again though there is nothing left t
 TEST_CASE("a strict run that ends at a step that did not converge has plots of those before") {
   const TemporaryFolder folder;
   const fs::path scene = write_scene(folder, block_scene());
-  CHECK(exit_code_of({"simulate", scene.string(), "-o", (folder / "run").string(), "--strict", "--set",
-                      "solver.max_newton_iterations=2", "--set", "solver.max_halvings=0"}) == 75);
+  // a single linearisation is enough for the fall, not for the impact
+  Words simulate{"simulate", scene.string(), "-o", (folder / "run").string(), "--strict"};
+  for (const char* setting : {"body.block.position=[0, 0.3, 0]", "probe.middle.point=[0, 0.3, 0]",
+                              "solver.method=paper", "solver.max_iterations=1"})
+    simulate = simulate + Words{"--set", setting};
+  CHECK(exit_code_of(simulate) == 75);
   CHECK(states_of(folder / "run").size() > 2);
   CHECK(fs::exists(folder / "run/plots/max_energy_ratio.svg"));
 }
