@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/newton_system.h"
 
@@ -13,6 +14,9 @@ constexpr double relative_contact_penalty = 100;  // of the stiffness and inerti
 constexpr int max_inner_iterations = 12;          // factorisations between updates of the multipliers
 constexpr int max_backtracks = 25;
 constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
+constexpr double clear_violation = 0.01;      // of a limit, or of a penetration ten tolerances deep
+constexpr double falling = 0.95;              // by which share an update must reduce the violation
+constexpr int stalled_updates = 4;            // that did not
 constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradient
 
 double contact_penalty(const StepProblem& problem, const Contact& contact) {
@@ -72,8 +76,8 @@ void move(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
   follow_contacts(problem.contact, iterate.positions, iterate.contacts);
 }
 
-// Newton's method on L with the multipliers held
-void minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
+// Newton's method on L with the multipliers held; false if it ran out of iterations
+bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
               StepReport& report) {
   for (int i = 0; i < std::min(budget, max_inner_iterations); ++i) {
     const Linearisation at = linearise(problem, iterate);
@@ -81,10 +85,11 @@ void minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
     VectorXd forces(problem.limits.size());
     for (Eigen::Index e = 0; e < forces.size(); ++e) forces[e] = at.limits[e].force;
     const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
-    if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale) return;
+    if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
+      return true;
 
     ++report.sqp_iterations;
-    report.factorisations += factorize(problem, iterate, at, workspace);
+    report.factorisations += factorize(problem, at, iterate, workspace);
     VectorXd step = -slope;
     workspace.cholesky.solve(step);
     step /= std::max(1.0, largest_move(*problem.model, step));  // no node further than one cell
@@ -99,10 +104,11 @@ void minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
       if (lagrangian(problem, trial, linearise(problem, trial)) <= before + sufficient_decrease * share * promised)
         break;
     }
-    if (backtracks == max_backtracks) return;  // as low as rounding lets it
+    if (backtracks == max_backtracks) return true;  // as low as rounding lets it
     iterate = std::move(trial);
-    add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+    add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
   }
+  return false;
 }
 
 void update_multipliers(const StepProblem& problem, Iterate& iterate) {
@@ -121,23 +127,39 @@ void update_multipliers(const StepProblem& problem, Iterate& iterate) {
   }
 }
 
+// how long the violation has not fallen
+struct Stall {
+  double least_violation = std::numeric_limits<double>::infinity();
+  int updates = 0;
+};
+
+// `settled`: the multipliers so far are held in balance
+bool is_stalled(const Quality& quality, bool settled, Stall& stall) {
+  const double violation = std::max(quality.max_ratio - 1, 0.0) + 1e-3 * quality.depth;
+  if (violation < falling * stall.least_violation || !settled) stall.updates = 0;
+  stall.least_violation = std::min(stall.least_violation, violation);
+  return violation > clear_violation && ++stall.updates > stalled_updates;
+}
+
 }  // namespace
 
-bool augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
-                          StepReport& report) {
+Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
+                            StepReport& report) {
   const int first = report.sqp_iterations, most = problem.options->solver.max_augmented_iterations;
   evaluate(problem, iterate.positions, iterate.evaluation);
-  add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+  add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+  Stall stall;
   while (true) {
-    minimise(problem, workspace, most - (report.sqp_iterations - first), iterate, report);
+    const bool settled = minimise(problem, workspace, most - (report.sqp_iterations - first), iterate, report);
     update_multipliers(problem, iterate);
     update_contacts(problem.contact, iterate.positions, iterate.contacts);
-    const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+    const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
     tell(problem, report.sqp_iterations, quality, iterate);
     report.kkt_residual = quality.kkt;
-    if (added == 0 && is_solution(problem, quality, iterate)) return true;
-    if (report.sqp_iterations - first >= most) return false;
+    if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
+    if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;
+    if (report.sqp_iterations - first >= most) return Search::unfinished;
   }
 }
 

@@ -11,8 +11,14 @@
 
 namespace umax {
 
-/// Improves the iterate until it is the step's solution; false if SolverOptions::max_augmented_iterations do not
-/// suffice. Work is added to the report.
-bool augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate, StepReport& report);
+enum class Search {
+  solved,
+  unfinished,  // SolverOptions::max_augmented_iterations did not suffice
+  infeasible,  // ever larger multipliers no longer reduce the violation: no neighbouring state obeys all constraints
+};
+
+/// Improves the iterate until it is the step's solution. Work is added to the report.
+Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
+                            StepReport& report);
 
 }  // namespace umax

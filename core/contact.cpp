@@ -85,11 +85,13 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
       signed_distance(model.obstacles[obstacle].shape, step.poses_t1[obstacle].local(sphere.centre)).distance;
   if (centre_distance > sphere.radius) return false;
   deepest = {-1, obstacle, hex, -threshold};
+  const double tie = tied_depth(model, hex);
   for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
     const int point = geometry.hex_points[k];
     double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
-    if (gap < deepest.gap) gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
-    if (gap < deepest.gap) deepest.point = point, deepest.gap = gap;
+    if (gap < deepest.gap - tie)
+      gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
+    if (gap < deepest.gap - tie) deepest.point = point, deepest.gap = gap;
   }
   return deepest.point >= 0;
 }

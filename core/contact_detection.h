@@ -13,6 +13,11 @@ struct ContactCandidate {
   double gap = 0;                        // [m]
 };
 
+/// Points whose depths [m] differ by less are tied: the first one counts, whatever rounding says.
+inline double tied_depth(const Model& model, int hex) {
+  return 1e-6 * tolerance_depth(model, hex);
+}
+
 struct BoundingSphere {
   Vector3d centre;
   double radius;

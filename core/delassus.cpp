@@ -12,7 +12,7 @@ constexpr Eigen::Index columns_per_block = 48;
 
 bool is_last(const Model& model, const SparseCholesky& cholesky, const Contact& contact) {
   for (int n = 0; n < 8; ++n)
-    if (cholesky.last_row(model.hexes(contact.hex, n), 0) < 0) return false;
+    if (cholesky.last_row(model.hexes(contact.hex, n)) < 0) return false;
   return true;
 }
 
@@ -37,7 +37,7 @@ MatrixXd half_columns_last(const Model& model, const SparseCholesky& cholesky, c
       const int node = model.hexes(contacts[i].hex, n);
       if (model.node_fixed[node]) continue;
       for (int axis = 0; axis < 3; ++axis)
-        columns(cholesky.last_row(node, axis), 3 * Eigen::Index(i - first) + axis) = contacts[i].weights[n];
+        columns(cholesky.last_row(node) + axis, 3 * Eigen::Index(i - first) + axis) = contacts[i].weights[n];
     }
   cholesky.half_solve_last(columns);
   return columns;

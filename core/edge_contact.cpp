@@ -83,13 +83,13 @@ int holding_hex(const ContactStep& step, const Points& positions, const Model::B
   return -1;
 }
 
-void keep_deepest(const ContactCandidate& candidate, std::vector<ContactCandidate>& deepest) {
+void keep_deepest(const Model& model, const ContactCandidate& candidate, std::vector<ContactCandidate>& deepest) {
   const auto same = std::find_if(deepest.begin(), deepest.end(), [&](const ContactCandidate& c) {
     return c.hex == candidate.hex && c.obstacle == candidate.obstacle;
   });
   if (same == deepest.end())
     deepest.push_back(candidate);
-  else if (candidate.gap < same->gap)
+  else if (candidate.gap < same->gap - tied_depth(model, candidate.hex))
     *same = candidate;
 }
 
@@ -149,7 +149,7 @@ std::vector<ContactCandidate> edge_candidates(const ContactStep& step, const Poi
         const int hex = holding_hex(step, positions, body, spheres, edge.point, hit);
         if (hex >= 0 && hit.gap < -share * tolerance_depth(model, hex) &&
             hit.normal.dot(edge.normal) >= edge_cone_cosine)
-          keep_deepest({-1 - k, obstacle, hex, hit.gap}, deepest);
+          keep_deepest(model, {-1 - k, obstacle, hex, hit.gap}, deepest);
       }
   }
   return deepest;

@@ -80,7 +80,7 @@ VectorXd solve_step(const StepProblem& problem, const SparseCholesky& cholesky, 
     }
     const Points trial = iterate.positions + unflatten(step);
     const std::size_t before = iterate.contacts.size();
-    if (add_contacts(problem.contact, trial, joining_share, iterate.contacts) == 0) break;
+    if (add_contacts(problem.contact, trial, problem.joining_share, iterate.contacts) == 0) break;
     std::vector<Contact> added(iterate.contacts.begin() + std::ptrdiff_t(before), iterate.contacts.end());
     update_contacts(problem.contact, iterate.positions, added);  // the linearisation stands at the iterate
     std::copy(added.begin(), added.end(), iterate.contacts.begin() + std::ptrdiff_t(before));
@@ -133,7 +133,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
       update_contacts(problem.contact, iterate.positions, iterate.contacts);
     else
       follow_contacts(problem.contact, iterate.positions, iterate.contacts);
-    const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+    const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
     report.kkt_residual = quality.kkt;
     tell(problem, report.sqp_iterations, quality, iterate);
@@ -141,7 +141,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
     ++report.sqp_iterations;
     const Linearisation at = linearise(problem, iterate);
-    report.factorisations += factorize(problem, iterate, at, workspace);
+    report.factorisations += factorize(problem, at, iterate, workspace);
     VectorXd step = solve_step(problem, workspace.cholesky, gradient(problem, iterate, at), iterate, report);
     iterate.last_move = largest_move(model, step);
     step /= std::max(1.0, iterate.last_move);  // no node further than one cell
@@ -152,22 +152,26 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
 
 // The SQP; where it fails the safety net; where even that ends beyond the limits, as it may from a crumpled start that
 // has a knot for a local minimum, the safety net from the undeformed bodies. The iterate is the best that was found.
-bool solve(const StepProblem& problem, Workspace::Data& workspace, const State& state, Iterate& iterate,
-           StepReport& report) {
+StepStatus solve(const StepProblem& problem, Workspace::Data& workspace, const State& state, Iterate& iterate,
+                 StepReport& report) {
   iterate = predict(problem, state);
-  workspace.cholesky.eliminate_last(nodes_near_obstacles(problem, iterate));
-  if (sequential_quadratic(problem, workspace, iterate, report)) return true;
+  eliminate_last(*problem.model, nodes_near_obstacles(problem, iterate), workspace);
+  if (sequential_quadratic(problem, workspace, iterate, report)) return StepStatus::converged;
   iterate = predict(problem, state);
-  if (augmented_lagrangian(problem, workspace, iterate, report)) return true;
-  if (state.been_feasible) return false;
+  const Search search = augmented_lagrangian(problem, workspace, iterate, report);
+  if (search == Search::solved) return StepStatus::converged;
+
   const double kkt_residual = report.kkt_residual;
-  Iterate undeformed = predict_undeformed(problem, state);
-  const bool solved = augmented_lagrangian(problem, workspace, undeformed, report);
-  if (solved)
-    iterate = std::move(undeformed);
-  else
-    report.kkt_residual = kkt_residual;
-  return solved;
+  iterate.multipliers = state.limit_multipliers;  // those of a violated limit grow for ever: no start for the next step
+  if (!state.been_feasible) {
+    Iterate undeformed = predict_undeformed(problem, state);
+    if (augmented_lagrangian(problem, workspace, undeformed, report) == Search::solved) {
+      iterate = std::move(undeformed);
+      return StepStatus::converged;
+    }
+  }
+  report.kkt_residual = kkt_residual;
+  return search == Search::infeasible ? StepStatus::infeasible : StepStatus::iteration_limit;
 }
 
 }  // namespace
@@ -175,7 +179,7 @@ bool solve(const StepProblem& problem, Workspace::Data& workspace, const State& 
 StepReport exact_step(const StepProblem& problem, Workspace::Data& workspace, State& state) {
   StepReport report;
   Iterate iterate;
-  if (!solve(problem, workspace, state, iterate, report)) report.status = StepStatus::iteration_limit;
+  report.status = solve(problem, workspace, state, iterate, report);
   state.velocities = (iterate.positions - problem.positions_t0) / problem.h;
   state.positions = iterate.positions;
   state.limit_multipliers = iterate.multipliers;

@@ -9,6 +9,9 @@
 namespace umax {
 namespace {
 
+// A limit that holds to its tolerance may still give or take energy; more than this share of the tolerance of all the
+// energy there is would show as energy that rises from nowhere.
+constexpr double negligible_work = 1e-4;
 constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
 
 // the body's rest shape, moved and turned to where its nodes are
@@ -21,6 +24,20 @@ void place_undeformed(const Model& model, const Model::BodyRange& body, Points& 
   const Points arms = rest.rowwise() - rest_centre;
   const Matrix3d rotation = polar_rotation((placed.rowwise() - centre).transpose() * mass.asDiagonal() * arms);
   placed = (arms * rotation.transpose()).rowwise() + centre;
+}
+
+// kinetic energy, elastic energy and the weight times the bodies' heights [J]
+double energy_scale(const StepProblem& problem, const Iterate& iterate) {
+  const Model& model = *problem.model;
+  double sum = iterate.evaluation.elastic_energy.sum();
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    sum += 0.5 * model.node_mass[node] * problem.velocities_t0.row(node).squaredNorm();
+  for (const Model::BodyRange& body : model.bodies) {
+    const auto rest = model.rest_positions.middleRows(body.first_node, body.num_nodes);
+    const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    sum += model.node_mass.segment(body.first_node, body.num_nodes).sum() * problem.options->gravity.norm() * diagonal;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -65,12 +82,15 @@ VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
 Quality assess(const StepProblem& problem, const Iterate& iterate) {
   const Model& model = *problem.model;
   Quality quality;
+  // any hex beyond its limit may be pushed as hard as the hardest pushed one is, in this step or the next
+  const double largest = iterate.multipliers.size() ? iterate.multipliers.maxCoeff() : 0;
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
     if (limit_kind(model, e) != LimitKind::hard) continue;
     const double ratio = iterate.evaluation.energy[e] / problem.limits[e];
     quality.max_ratio = std::max(quality.max_ratio, ratio);
     if (iterate.multipliers[e] > problem.options->solver.tolerance * problem.limits[e])
       quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
+    if (iterate.multipliers[e] > 0 || ratio > 1) quality.limit_work += largest * std::abs(1 - ratio);
   }
   for (const Contact& contact : iterate.contacts)
     quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));
@@ -82,7 +102,8 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
   return quality.kkt <= tolerance && quality.max_ratio <= 1 + tolerance && quality.complementarity <= tolerance &&
-         quality.depth <= joining_share && iterate.last_move <= settled_move;
+         quality.limit_work <= negligible_work * tolerance * energy_scale(problem, iterate) &&
+         quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
 }
 
 void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {

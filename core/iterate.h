@@ -7,14 +7,13 @@
 
 namespace umax {
 
-constexpr double joining_share = 0.5;  // of the penetration tolerance: deeper vertices join the working set
-
 struct Iterate {
   Points positions;               // #N x 3 [m]
   VectorXd multipliers;           // #E force-level [J]
   std::vector<Contact> contacts;  // working set, impulses in N s
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
+  bool indefinite = false;        // the exact Hessian was not positive definite at one of the last iterations
 };
 
 /// What decides whether the iterate is the solution.
@@ -23,6 +22,7 @@ struct Quality {
   double max_ratio = 0;        // [-] U/U_max of hard limits
   double complementarity = 0;  // [-] |U/U_max - 1| where a multiplier pushes
   double depth = 0;            // deepest working-set contact, in penetration tolerances
+  double limit_work = 0;       // [J] that multipliers could do between here and where the limits hold exactly
 };
 
 /// The step's predictor with the multipliers and impulses of the last step.

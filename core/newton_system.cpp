@@ -1,10 +1,29 @@
 #include "core/newton_system.h"
 
+#include <Eigen/Cholesky>
+
 namespace umax {
 namespace {
 
-// the matrix of one element; `exact` false: warped stiffness, positive semi-definite
-void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
+enum class Elasticity {
+  exact,     // the Hessian as it is: may be indefinite
+  definite,  // warped stiffness where the exact one is not positive definite by itself
+};
+
+// is the hex's matrix with its share of the inertia positive definite?
+bool is_definite(const StepProblem& problem, Eigen::Index e, const Matrix24d& element) {
+  const Model& model = *problem.model;
+  Matrix24d shifted = element;
+  for (int n = 0; n < 8; ++n) {
+    const int node = model.hexes(e, n);
+    const double share = model.node_mass[node] / problem.hexes_at_node[node] / (problem.h * problem.h);
+    for (int axis = 0; axis < 3; ++axis) shifted(3 * n + axis, 3 * n + axis) += share;
+  }
+  return Eigen::LLT<Matrix24d>(shifted).info() == Eigen::Success;
+}
+
+// elasticity and limit of one element
+void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
                     bool exact, Matrix24d& element) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
@@ -25,8 +44,18 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
     const Vector24d G = evaluation.limit_gradient(e);
     element.noalias() += terms.rank_one * G * G.transpose();
   }
+}
+
+void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
+                    Elasticity elasticity, Matrix24d& element) {
+  const Model& model = *problem.model;
+  elastic_matrix(problem, evaluation, terms, e, true, element);
+  if (elasticity == Elasticity::definite && !is_definite(problem, e, element))
+    elastic_matrix(problem, evaluation, terms, e, false, element);
   if (problem.damping_stiffness[e] > 0) {
-    const CorotatedHex start = corotate(shape, solver.rotation, hex_nodes(model, problem.positions_t0, e));
+    const HexShape& shape = model.shapes[model.hex_shape[e]];
+    const CorotatedHex start =
+        corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
     element += problem.damping_stiffness[e] / problem.h * warped_hessian(shape.stiffness, problem.young[e], start);
   }
 }
@@ -47,22 +76,24 @@ std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate&
 
 }  // namespace
 
-int factorize(const StepProblem& problem, const Iterate& iterate, const Linearisation& at, Workspace::Data& workspace) {
+int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace) {
   const double h = problem.h;
   const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();
   const std::vector<std::vector<int>> in_hex = contacts_by_hex(*problem.model, iterate, at);
-  int attempts = 0;
-  for (const bool exact : {true, false}) {
+  const auto try_with = [&](Elasticity elasticity) {
     reset(workspace.matrix);
     add_mass(mass, 1, workspace.matrix);
     add_elements(workspace.matrix, [&](Eigen::Index e, Matrix24d& element) {
-      element_matrix(problem, iterate.evaluation, at.limits[e], e, exact, element);
+      element_matrix(problem, iterate.evaluation, at.limits[e], e, elasticity, element);
       if (!in_hex.empty())
         for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
     });
-    ++attempts;
-    if (workspace.cholesky.factorize(workspace.matrix)) break;
-  }
+    return workspace.cholesky.factorize(workspace.matrix);
+  };
+  if (!iterate.indefinite && try_with(Elasticity::exact)) return 1;
+  const int attempts = iterate.indefinite ? 1 : 2;
+  iterate.indefinite = true;
+  try_with(Elasticity::definite);
   return attempts;
 }
 

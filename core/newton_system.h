@@ -16,9 +16,9 @@ struct Linearisation {
   std::vector<ContactTerms> contacts;  // one per contact of the iterate, or none where they are solved for apart
 };
 
-/// Factors the Hessian at the iterate: exact elasticity where that is positive definite, else warped stiffness. Returns
-/// the number of factorisations tried.
-int factorize(const StepProblem& problem, const Iterate& iterate, const Linearisation& at, Workspace::Data& workspace);
+/// Factors the Hessian at the iterate: exact elasticity if that is positive definite, else with warped stiffness in the
+/// hexes that are not so by themselves: from then on that is what is tried. Returns the number of factorisations.
+int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace);
 
 /// Gradient [N] of inertia, damping, elasticity, gravity, limits and contacts: 3 #N, fixed nodes zero.
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at);

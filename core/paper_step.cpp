@@ -11,7 +11,6 @@ namespace umax {
 namespace {
 
 // vertices deeper than this share of the tolerance join the working set, so that the rest stays within it
-constexpr double joining_share = 0.5;
 
 // the step's unknowns as they are improved
 struct PaperIterate {
@@ -232,9 +231,9 @@ bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky
       hold = hold && iterate.ratios[e] <= 1 + tolerance;
     }
   update_contacts(problem.contact, iterate.positions, iterate.contacts);
-  hold = hold && worst_gap(*problem.model, iterate.contacts) >= -joining_share;
+  hold = hold && worst_gap(*problem.model, iterate.contacts) >= -problem.joining_share;
   const std::size_t known = iterate.contacts.size();
-  const int added = add_contacts(problem.contact, iterate.positions, joining_share, iterate.contacts);
+  const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
   append_contact_columns(problem, cholesky, known, iterate);
   return hold && added == 0;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "core/system_matrix.h"
 
@@ -14,23 +13,23 @@ class SparseCholesky {
   SparseCholesky();
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// The nodes (ascending) whose unknowns are eliminated last from the next factorize() on, which analyses the pattern
-  /// anew if they are others than before: costs fill, and makes half_solve_last() dense, small and fast.
-  void eliminate_last(std::vector<int> nodes);
-
-  /// Numeric factorisation; analyses the pattern on the first call. False if the matrix is not positive definite.
+  /// Numeric factorisation; analyses the pattern on the first call, which all later matrices must share. False if the
+  /// matrix is not positive definite.
   bool factorize(const SystemMatrix& matrix);
 
   /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
   void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
-  /// Overwrites each column b with z = L^-1 P b, so that z_i . z_j = b_i . A^-1 b_j: half the work of solve().
+  /// Overwrites each column b with z = L^-1 b in elimination order, so that z_i . z_j = b_i . A^-1 b_j: half the work
+  /// of solve().
   void half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
-  /// Number of unknowns eliminated last, and the row in [0, num_last) of one of them; -1: it is not among them.
+  /// Number of unknowns of SystemMatrix::last, and the row in [0, num_last) of a node's first one, with the others
+  /// after it; -1: it is not among them.
   int num_last() const;
-  int last_row(int node, int axis) const;
+  int last_row(int node) const;
 
   /// half_solve() of columns that are zero but for the unknowns eliminated last: num_last() rows.
   void half_solve_last(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
@@ -38,7 +37,7 @@ class SparseCholesky {
  private:
   void analyse(const SystemMatrix& matrix);
   void extract_last();
-  void solve_in_place(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+  Eigen::Map<const MatrixXd> solve_ordered(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
   struct Data;
   std::unique_ptr<Data> data_;
 };

@@ -56,7 +56,7 @@ StepReport advance(const Model& model, const StepOptions& options, Workspace::Da
   const bool exact = options.solver.method == SolverMethod::exact;
   StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
-  const bool retry = exact && report.status != StepStatus::converged && halvings > 0 && start.been_feasible;
+  const bool retry = exact && report.status == StepStatus::iteration_limit && halvings > 0 && start.been_feasible;
   if (!retry) return report;
 
   state = start;
@@ -76,6 +76,12 @@ StepReport advance(const Model& model, const StepOptions& options, Workspace::Da
 
 Workspace::Workspace(const Model& model)
     : data_(new Data{make_contact_geometry(model), make_system_matrix(model), SparseCholesky()}) {}
+void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace) {
+  if (nodes == workspace.matrix.last) return;
+  workspace.matrix = make_system_matrix(model, nodes);
+  workspace.cholesky = SparseCholesky();
+}
+
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 

@@ -50,7 +50,7 @@ struct StepOptions {
 enum class StepStatus {
   converged,
   iteration_limit,  // did not reach the tolerance: more substeps, a looser tolerance or a softer limit help
-  infeasible,       // the step began beyond its limits and has not come back yet
+  infeasible,       // no state nearby obeys all limits and contacts, or the run began beyond its limits and is not back
 };
 
 struct StepReport {

@@ -18,6 +18,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Con
   problem.model = &model;
   problem.options = &options;
   problem.h = options.time_step;
+  problem.joining_share *= std::min(1.0, options.solver.tolerance / SolverOptions{}.tolerance);
   problem.positions_t0 = state.positions;
   problem.velocities_t0 = state.velocities;
   problem.young.resize(model.num_hexes());
@@ -30,6 +31,8 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Con
     problem.limits[e] = energy_limit_at(model, e, time_t1);
     problem.damping_stiffness[e] = model.bodies[model.hex_body[e]].material.damping_stiffness;
   }
+  problem.hexes_at_node.setZero(model.num_nodes());
+  for (const int node : model.hexes.reshaped()) ++problem.hexes_at_node[node];
   for (const Model::BodyRange& body : model.bodies)
     problem.damping_mass.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
   problem.contact =

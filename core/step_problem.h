@@ -20,7 +20,11 @@ struct StepProblem {
   VectorXd limits;             // #E [J] at the end of the step, infinity: none
   VectorXd damping_mass;       // #N [1/s] Rayleigh alpha
   VectorXd damping_stiffness;  // #E [s] Rayleigh beta
+  VectorXi hexes_at_node;      // #N
   ContactStep contact;
+  // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
+  // deeper: half, or in proportion to a solver tolerance that is tighter than the default
+  double joining_share = 0.5;
 };
 StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
                        const State& state);

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 
+#include "core/elimination_order.h"
 #include "core/parallel.h"
 
 namespace umax {
-namespace {
-
-// nodes that share a hex with node a and come after it, ascending, a itself first
-std::vector<std::vector<int>> later_neighbours(const Model& model) {
-  std::vector<std::vector<int>> neighbours(model.num_nodes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+std::vector<std::vector<int>> later_neighbours(const Hexes& hexes, Eigen::Index num_nodes) {
+  std::vector<std::vector<int>> neighbours(num_nodes);
+  for (Eigen::Index e = 0; e < hexes.rows(); ++e)
     for (int m = 0; m < 8; ++m)
       for (int n = 0; n < 8; ++n)
-        if (model.hexes(e, n) >= model.hexes(e, m)) neighbours[model.hexes(e, m)].push_back(model.hexes(e, n));
+        if (hexes(e, n) >= hexes(e, m)) neighbours[hexes(e, m)].push_back(hexes(e, n));
   for (std::vector<int>& list : neighbours) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -21,13 +19,18 @@ std::vector<std::vector<int>> later_neighbours(const Model& model) {
   return neighbours;
 }
 
-}  // namespace
-
-SystemMatrix make_system_matrix(const Model& model) {
+SystemMatrix make_system_matrix(const Model& model, const std::vector<int>& last) {
   SystemMatrix matrix;
-  matrix.hexes = model.hexes;
-  matrix.node_fixed = model.node_fixed;
-  const std::vector<std::vector<int>> neighbours = later_neighbours(model);
+  matrix.last = last;
+  matrix.order = elimination_order(model, last);
+  matrix.ranks.resize(matrix.order.size());
+  for (std::size_t rank = 0; rank < matrix.order.size(); ++rank) {
+    matrix.ranks[matrix.order[rank]] = int(rank);
+    matrix.fixed.push_back(model.node_fixed[matrix.order[rank]]);
+  }
+  matrix.hexes = model.hexes.unaryExpr([&](int node) { return matrix.ranks[node]; });
+
+  const std::vector<std::vector<int>> neighbours = later_neighbours(matrix.hexes, model.num_nodes());
   matrix.column_starts.push_back(0);
   for (Eigen::Index a = 0; a < model.num_nodes(); ++a)
     for (int c = 0; c < 3; ++c) {
@@ -42,7 +45,7 @@ SystemMatrix make_system_matrix(const Model& model) {
     int pair = 0;
     for (int m = 0; m < 8; ++m)
       for (int n = m; n < 8; ++n) {
-        const auto [a, b] = std::minmax(model.hexes(e, m), model.hexes(e, n));
+        const auto [a, b] = std::minmax(matrix.hexes(e, m), matrix.hexes(e, n));
         const std::vector<int>& list = neighbours[a];
         matrix.block_slots[e][pair++] = std::uint8_t(std::lower_bound(list.begin(), list.end(), b) - list.begin());
       }
@@ -52,15 +55,16 @@ SystemMatrix make_system_matrix(const Model& model) {
 
 void reset(SystemMatrix& matrix) {
   matrix.values.setZero();
-  for (std::size_t node = 0; node < matrix.node_fixed.size(); ++node)
-    if (matrix.node_fixed[node])
-      for (int c = 0; c < 3; ++c) matrix.values[matrix.column_starts[3 * node + c]] = 1;
+  for (std::size_t rank = 0; rank < matrix.fixed.size(); ++rank)
+    if (matrix.fixed[rank])
+      for (int c = 0; c < 3; ++c) matrix.values[matrix.column_starts[3 * rank + c]] = 1;
 }
 
 void add_mass(const VectorXd& node_mass, double coefficient, SystemMatrix& matrix) {
-  for (Eigen::Index node = 0; node < node_mass.size(); ++node)
-    if (!matrix.node_fixed[node])
-      for (int c = 0; c < 3; ++c) matrix.values[matrix.column_starts[3 * node + c]] += coefficient * node_mass[node];
+  for (std::size_t rank = 0; rank < matrix.fixed.size(); ++rank)
+    if (!matrix.fixed[rank])
+      for (int c = 0; c < 3; ++c)
+        matrix.values[matrix.column_starts[3 * rank + c]] += coefficient * node_mass[matrix.order[rank]];
 }
 
 void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matrix) {
@@ -71,7 +75,7 @@ void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matri
       int column_node = m, row_node = n;
       if (matrix.hexes(hex, m) > matrix.hexes(hex, n)) std::swap(column_node, row_node);
       const int a = matrix.hexes(hex, column_node), b = matrix.hexes(hex, row_node);
-      if (matrix.node_fixed[a] || matrix.node_fixed[b]) continue;
+      if (matrix.fixed[a] || matrix.fixed[b]) continue;
       for (int c = 0; c < 3; ++c) {
         double* column = matrix.values.data() + matrix.column_starts[3 * a + c];
         const double* source = element.data() + 24 * (3 * column_node + c) + 3 * row_node;
@@ -97,12 +101,13 @@ void add_elements(SystemMatrix& matrix, const std::function<void(Eigen::Index, M
 }
 
 VectorXd multiply(const SystemMatrix& matrix, const VectorXd& x) {
+  const auto by_node = [&](int unknown) { return 3 * matrix.order[unknown / 3] + unknown % 3; };
   VectorXd y = VectorXd::Zero(x.size());
   for (int column = 0; column < matrix.num_unknowns(); ++column)
     for (int k = matrix.column_starts[column]; k < matrix.column_starts[column + 1]; ++k) {
-      const int row = matrix.row_indices[k];
-      y[row] += matrix.values[k] * x[column];
-      if (row != column) y[column] += matrix.values[k] * x[row];
+      const int i = by_node(matrix.row_indices[k]), j = by_node(column);
+      y[i] += matrix.values[k] * x[j];
+      if (i != j) y[j] += matrix.values[k] * x[i];
     }
   return y;
 }

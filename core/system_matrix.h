@@ -1,5 +1,6 @@
 // The symmetric matrix of the step: 3 x 3 blocks between nodes that share a hex, lower triangle, compressed columns.
-// Degrees of freedom: 3 node + axis. Fixed nodes keep their rows as identity, so that the pattern never changes.
+// Its rows and columns stand in elimination order, 3 rank + axis; vectors outside of it are by node, 3 node + axis.
+// Fixed nodes keep their rows as identity, so that the pattern never changes.
 #pragma once
 
 #include <array>
@@ -15,16 +16,21 @@ struct SystemMatrix {
   std::vector<int> column_starts;  // 3 #N + 1
   std::vector<int> row_indices;    // ascending in each column, first is the diagonal
   VectorXd values;
-  Hexes hexes;  // as the model's
-  std::vector<char> node_fixed;
+  std::vector<int> order, ranks;  // node at each rank, rank of each node
+  std::vector<int> last;          // nodes (ascending) after which only such nodes are eliminated
+  Hexes hexes;                    // #E x 8 ranks
+  std::vector<char> fixed;        // by rank
   std::vector<std::array<std::uint8_t, 36>>
       block_slots;  // per hex and local node pair: position in the column's block list
 
   int num_unknowns() const { return int(column_starts.size()) - 1; }
 };
 
-/// Pattern of the model's hexes, values zero.
-SystemMatrix make_system_matrix(const Model& model);
+/// For each of num_nodes nodes: itself and the nodes after it with which it shares a hex, ascending.
+std::vector<std::vector<int>> later_neighbours(const Hexes& hexes, Eigen::Index num_nodes);
+
+/// Pattern of the model's hexes in elimination_order(model, last), values zero.
+SystemMatrix make_system_matrix(const Model& model, const std::vector<int>& last = {});
 
 /// All values to zero, ones on the diagonal of fixed nodes.
 void reset(SystemMatrix& matrix);

@@ -1,6 +1,8 @@
 // The memory behind Workspace (core/step.h), for the step solvers.
 #pragma once
 
+#include <vector>
+
 #include "core/contact.h"
 #include "core/sparse_cholesky.h"
 #include "core/step.h"
@@ -13,5 +15,8 @@ struct Workspace::Data {
   SystemMatrix matrix;
   SparseCholesky cholesky;
 };
+
+/// Brings the matrix into an order in which these nodes (ascending) are eliminated last; keeps it if they are already.
+void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace);
 
 }  // namespace umax

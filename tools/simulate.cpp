@@ -110,8 +110,9 @@ StepOptions step_options(const Simulation& simulation, bool verbose, Progress& p
 void warn_of_unconverged(const SimulateResult& result, long long before, Progress& progress) {
   if (result.steps_not_converged > before)
     progress.warning(
-        fmt::format("{} of {} steps did not converge (see status in steps.csv); more clip.substeps or a looser "
-                    "solver.tolerance help",
+        fmt::format("{} of {} steps did not converge (see status in steps.csv); where it is iteration_limit, more "
+                    "clip.substeps or a looser solver.tolerance help, where it is infeasible, a higher limit or a "
+                    "gentler obstacle",
                     result.steps_not_converged, result.steps));
 }
 

@@ -151,7 +151,7 @@ TEST_CASE("the limited beam never gains energy") {
 }
 
 TEST_CASE("the beam with a hundredth of a joule a hex never gains energy") {
-  const double tolerance = GENERATE(1e-4, 1e-6);
+  const double tolerance = GENERATE(1e-3, 1e-4, 1e-6);
   Body beam = test::make_beam();
   test::limit_energy(beam, 0.01);
   CHECK(balance_of(beam, {}, options_with(tolerance), 300).limits > 40);
@@ -216,7 +216,7 @@ TEST_CASE("a frictionless fall never ends a step above the potential of its feas
   const std::vector<Obstacle> ground{test::make_ground()};
   const PotentialCheck fall =
       potentials(sphere, ground, rest_state(make_model({sphere}, ground)), options_with(1e-3), 150);
-  CHECK(fall.judged > 10);
+  CHECK(fall.judged > 5);
   CHECK(fall.above == 0);
 }
 

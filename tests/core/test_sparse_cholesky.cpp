@@ -1,5 +1,7 @@
 #include "core/sparse_cholesky.h"
 
+#include <algorithm>
+
 #include "core/elastic_energy.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
@@ -98,4 +100,48 @@ TEST_CASE("a factor follows the matrix when its values change") {
     cholesky.solve(x);
     CHECK(residual(matrix, x, b) < 1e-11);
   }
+}
+
+TEST_CASE("unknowns eliminated last have their compliance in a small factor of its own") {
+  const Model model = test_model();
+  const auto last =
+      GENERATE(std::vector<int>{}, std::vector<int>{40}, std::vector<int>{8, 9, 10, 11, 60, 61, 62, 63, 100},
+               std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8});
+  CAPTURE(last.size());
+  SystemMatrix matrix = make_system_matrix(model, last);
+  reset(matrix);
+  add_mass(model.node_mass, 1, matrix);
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    add_element(e, 100 * model.shapes[model.hex_shape[e]].stiffness, matrix);
+  SparseCholesky cholesky;
+  REQUIRE(cholesky.factorize(matrix));
+  REQUIRE(cholesky.num_last() == 3 * int(last.size()));
+
+  const Eigen::Index size = cholesky.num_last();
+  MatrixXd everywhere = MatrixXd::Zero(matrix.num_unknowns(), size), here = MatrixXd::Zero(size, size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const int node = last[std::size_t(k / 3)], axis = int(k % 3);
+    everywhere(3 * node + axis, k) = 1;
+    here(cholesky.last_row(node) + axis, k) = 1;
+  }
+  MatrixXd solved = everywhere;
+  cholesky.solve(solved);
+  cholesky.half_solve(everywhere);
+  cholesky.half_solve_last(here);
+  const MatrixXd compliance = everywhere.transpose() * everywhere;
+  CHECK((here.transpose() * here - compliance).norm() <= 1e-12 * compliance.norm());
+  for (Eigen::Index k = 0; k < size; ++k)
+    CHECK(solved(3 * last[std::size_t(k / 3)] + k % 3, 0) == Approx(compliance(k, 0)).epsilon(1e-10));
+  for (const int node : {12, 77})
+    if (std::find(last.begin(), last.end(), node) == last.end()) CHECK(cholesky.last_row(node) == -1);
+}
+
+TEST_CASE("the elimination order holds every node once and keeps what is eliminated last together with its ancestors") {
+  const Model model = test_model();
+  const std::vector<int> last{20, 21, 90};
+  const SystemMatrix matrix = make_system_matrix(model, last);
+  std::vector<int> nodes = matrix.order;
+  std::sort(nodes.begin(), nodes.end());
+  for (std::size_t i = 0; i < nodes.size(); ++i) REQUIRE(nodes[i] == int(i));
+  for (const int node : last) CHECK(matrix.ranks[node] >= int(nodes.size()) - 3);  // one connected body
 }

@@ -207,7 +207,7 @@ TEST_CASE("stiffness damping takes the motion within a body, not its flight") {
 TEST_CASE("several bodies move as each alone") {
   const auto method = GENERATE(SolverMethod::paper, SolverMethod::exact);
   const bool contact = GENERATE(false, true);
-  CAPTURE(contact);
+  CAPTURE(int(method), contact);
   Body a = tumbling_block(), b = test::make_block({2, 2, 2}, {4, 0.3, 0}, 0.25);
   a.velocity.y() = 0;
   b.name = "other";
