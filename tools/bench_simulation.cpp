@@ -5,8 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <random>
 
+#include "core/rotation.h"
 #include "embedding/shapes.h"
+#include "scenes/builtin_scenes.h"
 #include "scenes/scene_file.h"
 #include "tools/bench.h"
 #include "tools/simulation_setup.h"
@@ -145,6 +148,98 @@ BenchRows crowded_sphere() {
   return rows;
 }
 
+// every built-in scene that brings its own meshes, over its whole clip
+BenchRows builtin_scenes_hold() {
+  BenchRows rows;
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    if (builtin.name == "armadillo") continue;  // its mesh is not part of the program; see armadillo_limits()
+    const Scene scene = load_scene(builtin.name, {});
+    const int steps = (scene.clip.frames - 1) * scene.clip.substeps;
+    if (scene.bodies.empty() || steps == 0) continue;
+    const RunFigures figures = run(set_up(scene), steps);
+    const std::string what = "scene " + builtin.name;
+    append_limits(what, figures, 1e-3, rows);
+    rows.push_back(at_most(
+        what + ": steps retried", 100.0 * figures.retried / steps, 1, "%",
+        fmt::format("{:.2f} ms an active step, up to {} limits", mean(figures.active_ms), figures.max_active_limits)));
+  }
+  return rows;
+}
+
+// a cube of 4 x 4 x 4 hexes, limited to 20 % stretch, whose nodes start anywhere: does it find its shape in 2 s?
+class CrumpledCube {
+ public:
+  explicit CrumpledCube(unsigned seed) : random_(seed * 7919 + 13) {
+    Body cube;
+    cube.name = "cube";
+    cube.lattice = make_box_lattice({4, 4, 4}, Vector3d::Constant(-0.5), Vector3d::Constant(0.25));
+    cube.material.mass = MassModel::lattice;
+    cube.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.2};
+    cube.surface.weights.resize(0, 8);
+    model_ = make_model({cube}, {});
+    point_ = vector();
+    normal_ = vector().normalized();
+  }
+
+  bool recovers(const std::string& kind) {
+    State state = rest_state(model_);
+    for (Eigen::Index node = 0; node < model_.num_nodes(); ++node)
+      state.positions.row(node) = place(kind, model_.rest_positions.row(node).transpose()).transpose();
+    StepOptions options;
+    options.gravity.setZero();
+    Workspace workspace(model_);
+    for (int i = 0; i < 120; ++i) {
+      const StepReport report = step(model_, options, workspace, state);
+      if (!state.positions.allFinite() || (state.been_feasible && report.max_energy_ratio > 1.001)) return false;
+    }
+    // within its limits everywhere and close to the rest shape: nowhere inverted either (tests/core/test_exact_step)
+    return state.been_feasible && shape_error(state.positions) <= 0.05;
+  }
+
+ private:
+  Vector3d vector() {
+    std::uniform_real_distribution<double> share(-0.5, 0.5);
+    const double x = share(random_), y = share(random_), z = share(random_);
+    return {x, y, z};
+  }
+
+  Vector3d place(const std::string& kind, const Vector3d& rest) {
+    if (kind == "at random") return vector();
+    if (kind == "in a plane") return rest - normal_ * normal_.dot(rest);
+    if (kind == "mirrored") return rest - 2 * normal_ * normal_.dot(rest);
+    return point_;
+  }
+
+  // RMS node distance after rigid alignment, over the diagonal
+  double shape_error(const Points& positions) const {
+    const Points rest = model_.rest_positions.rowwise() - model_.rest_positions.colwise().mean();
+    const Points now = positions.rowwise() - positions.colwise().mean();
+    const Matrix3d rotation = polar_rotation(now.transpose() * rest);
+    return std::sqrt((now - rest * rotation.transpose()).rowwise().squaredNorm().mean() / 3);
+  }
+
+  std::mt19937 random_;
+  Model model_;
+  Vector3d point_, normal_;
+};
+
+BenchRows crumpled_starts() {
+  BenchRows rows;
+  for (const char* kind : {"at random", "in a plane", "in a point", "mirrored"}) {
+    std::string missed;
+    int recovered = 0;
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      if (CrumpledCube(seed).recovers(kind))
+        ++recovered;
+      else
+        missed += fmt::format(" {}", seed);
+    }
+    rows.push_back({fmt::format("cube whose nodes start {}: recovered", kind), fmt::format("{} of 10", recovered),
+                    "10 of 10" + (missed.empty() ? "" : ", missed seeds" + missed), recovered == 10});
+  }
+  return rows;
+}
+
 BenchRows deform_million() {
   const TriangleMesh mesh = make_sphere(1, 8);
   const Lattice lattice = voxelize(mesh, {.size = 365});
@@ -177,6 +272,8 @@ std::vector<Benchmark> simulation_benchmarks() {
       {"flat", false, false, flat_figure},
       {"beam", false, false, beam},
       {"crowded", false, false, crowded_sphere},
+      {"scenes", false, false, builtin_scenes_hold},
+      {"starts", false, false, crumpled_starts},
       {"deform", false, false, deform_million},
   };
 }
