@@ -76,6 +76,20 @@ void move(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
   follow_contacts(problem.contact, iterate.positions, iterate.contacts);
 }
 
+// moves the iterate along the step as far as L falls by a share of what its slope promises; false: nowhere
+bool descend(const StepProblem& problem, const VectorXd& step, double promised, double before, Iterate& iterate) {
+  double share = 1;
+  for (int backtracks = 0; backtracks < max_backtracks; ++backtracks, share *= 0.5) {
+    Iterate trial = iterate;
+    move(problem, share * step, trial);
+    if (lagrangian(problem, trial, linearise(problem, trial)) > before + sufficient_decrease * share * promised)
+      continue;
+    iterate = std::move(trial);
+    return true;
+  }
+  return false;
+}
+
 // Newton's method on L with the multipliers held; false if it ran out of iterations
 bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
               StepReport& report) {
@@ -94,18 +108,8 @@ bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
     workspace.cholesky.solve(step);
     step /= std::max(1.0, largest_move(*problem.model, step));  // no node further than one cell
 
-    const double before = lagrangian(problem, iterate, at), promised = slope.dot(step);
-    Iterate trial;
-    double share = 1;
-    int backtracks = 0;
-    for (; backtracks < max_backtracks; ++backtracks, share *= 0.5) {
-      trial = iterate;
-      move(problem, share * step, trial);
-      if (lagrangian(problem, trial, linearise(problem, trial)) <= before + sufficient_decrease * share * promised)
-        break;
-    }
-    if (backtracks == max_backtracks) return true;  // as low as rounding lets it
-    iterate = std::move(trial);
+    if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
+      return true;  // as low as rounding lets it
     add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
   }
   return false;

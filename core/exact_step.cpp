@@ -11,12 +11,13 @@
 namespace umax {
 namespace {
 
-constexpr double relative_penalty = 1e4;  // rho / U_max
-constexpr int max_contact_rounds = 10;    // detections per factorisation
-constexpr int reordering_nodes = 1500;    // of a cage: fewer are not worth it
-constexpr double reordering_margin = 1;   // [cells]
-constexpr double most_reordered = 0.2;    // of the nodes
-constexpr int normal_updates = 6;         // iterations after which contacts keep their normals
+constexpr double relative_penalty = 1e4;      // rho / U_max
+constexpr int max_contact_rounds = 10;        // detections per factorisation
+constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
+constexpr double reordering_margin = 1;       // [cells]
+constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
+constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
+constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
 
 // force, stiffening and rank-one weight of every limit at the iterate; contacts are solved for apart
 Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
@@ -119,7 +120,7 @@ std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate&
     for (int n = 0; n < 8; ++n) near[model.hexes(contact.hex, n)] = 1;
   for (int node = 0; node < int(near.size()); ++node)
     if (near[node]) nodes.push_back(node);
-  if (double(nodes.size()) > most_reordered * double(model.num_nodes())) nodes.clear();
+  if (double(nodes.size()) > std::min(most_reordered, most_reordered_share * double(model.num_nodes()))) nodes.clear();
   return nodes;
 }
 
