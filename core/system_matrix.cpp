@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/elimination_order.h"
 #include "core/parallel.h"
+#include "core/sparse_cholesky.h"
 
 namespace umax {
 std::vector<std::vector<int>> later_neighbours(const Hexes& hexes, Eigen::Index num_nodes) {
