@@ -16,15 +16,34 @@ if(UMAX_COVERAGE)
   target_link_options(umax_options INTERFACE --coverage)
 endif()
 
+# What nearly every file of the rooms includes is compiled once, in the room named core. A file still includes what it
+# uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a compiler cache, which keeps no file that has one.
+if(CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+set(umax_common_headers <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <tbb/blocked_range.h> <tbb/parallel_for.h>
+  <algorithm> <array> <chrono> <cmath> <filesystem> <fstream> <functional> <map> <memory> <numbers> <optional> <string>
+  <string_view> <variant> <vector>)
+
 add_library(umax_warnings INTERFACE)
 target_compile_options(umax_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(umax_warnings INTERFACE -Wno-restrict)  # false alarms on std::string, GCC bug 105651
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)  # more of them, in headers that are then no system headers any more
+    target_compile_options(umax_warnings INTERFACE -Wno-array-bounds -Wno-stringop-overflow
+      -Wno-stringop-overread)
+  endif()
 endif()
 if(UMAX_WARNINGS_AS_ERRORS)
   target_compile_options(umax_warnings INTERFACE -Werror)
 endif()
+
+# umax_file_options(<options> FILES <files>): options of single files, which GCC would forget with precompiled headers
+function(umax_file_options options)
+  cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
+  set_source_files_properties(${arg_FILES} PROPERTIES COMPILE_OPTIONS ${options} SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
 
 # umax_library(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): a static library umax_<room> with the
 # alias umax::<room>. Third-party packages go under PRIVATE unless the room's headers show their types.
@@ -33,4 +52,9 @@ function(umax_library room)
   add_library(umax_${room} STATIC ${arg_SOURCES})
   add_library(umax::${room} ALIAS umax_${room})
   target_link_libraries(umax_${room} PUBLIC umax_options ${arg_PUBLIC} PRIVATE umax_warnings ${arg_PRIVATE})
+  if(room STREQUAL "core")
+    target_precompile_headers(umax_core PRIVATE ${umax_common_headers})
+  else()
+    target_precompile_headers(umax_${room} REUSE_FROM umax_core)
+  endif()
 endfunction()

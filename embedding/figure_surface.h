@@ -4,11 +4,9 @@
 #include <functional>
 
 #include "core/triangle_mesh.h"
+#include "embedding/level_set.h"
 
 namespace umax {
-
-/// Signed distance [m] at a point, right where it is at most `reach` [m]; called from several threads.
-using DistanceFunction = std::function<double(const Vector3d& p, double reach)>;
 
 struct SurfaceOptions {
   Vector3d min{-1, 0, -1}, max{1, 2, 1};        // [m] box that holds the surface

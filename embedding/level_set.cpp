@@ -5,6 +5,8 @@
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetMeasure.h>
 #include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -16,21 +18,115 @@
 namespace umax {
 namespace {
 
-// the mesh as meshToVolume() asks for it: corners in index space
-struct IndexSpaceMesh {
-  const Points& positions;
-  const Triangles& triangles;
-  Vector3d origin;
-  double voxel;
-
-  std::size_t polygonCount() const { return std::size_t(triangles.rows()); }
-  std::size_t pointCount() const { return std::size_t(positions.rows()); }
-  std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t triangle, std::size_t corner, openvdb::Vec3d& point) const {
-    const int v = triangles(Eigen::Index(triangle), Eigen::Index(corner));
-    for (int axis = 0; axis < 3; ++axis) point[axis] = (positions(v, axis) - origin[axis]) / voxel;
+/// Corners in index space.
+std::vector<openvdb::Vec3s> corners(const Points& positions, const Vector3d& origin, double voxel) {
+  std::vector<openvdb::Vec3s> corners(std::size_t(positions.rows()));
+  for (std::size_t v = 0; v < corners.size(); ++v) {
+    for (int axis = 0; axis < 3; ++axis)
+      corners[v][axis] = float((positions(Eigen::Index(v), axis) - origin[axis]) / voxel);
   }
-};
+  return corners;
+}
+
+std::vector<openvdb::Vec3I> polygons(const Triangles& triangles) {
+  std::vector<openvdb::Vec3I> polygons(std::size_t(triangles.rows()));
+  for (std::size_t t = 0; t < polygons.size(); ++t) {
+    for (int k = 0; k < 3; ++k) polygons[t][k] = openvdb::Index32(triangles(Eigen::Index(t), k));
+  }
+  return polygons;
+}
+
+constexpr int leaf_width = openvdb::FloatTree::LeafNodeType::DIM;
+constexpr double slack = 1.5;  // distances of blended ellipsoids may be off by this factor
+
+Vector3d world_point(const openvdb::Coord& ijk, double cell_size) {
+  return cell_size * Vector3d(ijk.x(), ijk.y(), ijk.z());
+}
+
+/// Origins of the grid's leaves that the surface may cross, in lexicographic order.
+std::vector<openvdb::Coord> crossed_leaves(const DistanceFunction& distance, const Vector3d& min, const Vector3d& max,
+                                           double cell_size) {
+  const double leaf_size = leaf_width * cell_size;
+  const double reach = slack * leaf_size;
+  const Eigen::Array3i first = (min.array() / leaf_size).floor().cast<int>() - 1;
+  const Eigen::Array3i count = (max.array() / leaf_size).ceil().cast<int>() + 1 - first;
+  const int num_leaves = count.prod();
+  const auto origin = [&](int leaf) {
+    const Eigen::Array3i at(leaf / (count.y() * count.z()), leaf / count.z() % count.y(), leaf % count.z());
+    const Eigen::Array3i ijk = (first + at) * leaf_width;
+    return openvdb::Coord(ijk.x(), ijk.y(), ijk.z());
+  };
+  std::vector<char> crossed(num_leaves, 0);
+  tbb::parallel_for(0, num_leaves, [&](int leaf) {
+    const Vector3d middle = world_point(origin(leaf), cell_size).array() + 0.5 * leaf_size;
+    crossed[leaf] = std::abs(distance(middle, reach)) < slack * 0.5 * std::sqrt(3.0) * leaf_size;
+  });
+  std::vector<openvdb::Coord> leaves;
+  for (int leaf = 0; leaf < num_leaves; ++leaf) {
+    if (crossed[leaf]) leaves.push_back(origin(leaf));
+  }
+  return leaves;
+}
+
+/// Fills a leaf with distances; blocks of 4 x 4 x 4 cells far from the surface get the background value.
+void fill_leaf(const DistanceFunction& distance, double cell_size, double band,
+               openvdb::FloatTree::LeafNodeType& leaf) {
+  constexpr int width = 4;
+  const double block_reach = slack * 0.5 * std::sqrt(3.0) * width * cell_size + band;
+  for (int block = 0; block < 8; ++block) {
+    const openvdb::Coord corner = leaf.origin().offsetBy(block / 4 * width, block / 2 % 2 * width, block % 2 * width);
+    const Vector3d middle = world_point(corner, cell_size).array() + 0.5 * (width - 1) * cell_size;
+    const double at_middle = distance(middle, block_reach);
+    const bool far_off = std::abs(at_middle) > block_reach;
+    for (int cell = 0; cell < width * width * width; ++cell) {
+      const openvdb::Coord ijk = corner.offsetBy(cell / (width * width), cell / width % width, cell % width);
+      const double value = far_off ? std::copysign(band, at_middle) : distance(world_point(ijk, cell_size), band);
+      if (std::abs(value) < band) {
+        leaf.setValueOn(ijk, float(value));
+      } else {
+        leaf.setValueOff(ijk, float(std::copysign(band, value)));
+      }
+    }
+  }
+}
+
+openvdb::FloatGrid::Ptr sample_grid(const DistanceFunction& distance, const Vector3d& min, const Vector3d& max,
+                                    double cell_size) {
+  openvdb::initialize();
+  const double band = 3 * cell_size;
+  const auto grid = openvdb::FloatGrid::create(float(band));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_size));
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+  for (const openvdb::Coord& origin : crossed_leaves(distance, min, max, cell_size))
+    leaves.push_back(grid->tree().touchLeaf(origin));
+  tbb::parallel_for(std::size_t(0), leaves.size(),
+                    [&](std::size_t i) { fill_leaf(distance, cell_size, band, *leaves[i]); });
+  openvdb::tools::signedFloodFill(grid->tree());
+  return grid;
+}
+
+/// Quads of the zero level set, each cut along its shorter diagonal. OpenVDB winds them clockwise from outside.
+TriangleMesh triangles_of(const openvdb::FloatGrid& grid) {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, points, quads, 0.0);
+  TriangleMesh mesh;
+  mesh.positions.resize(Eigen::Index(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    mesh.positions.row(Eigen::Index(i)) << double(points[i].x()), double(points[i].y()), double(points[i].z());
+  }
+  mesh.triangles.resize(2 * Eigen::Index(quads.size()), 3);
+  for (std::size_t i = 0; i < quads.size(); ++i) {
+    const Eigen::Vector4i q(int(quads[i][3]), int(quads[i][2]), int(quads[i][1]), int(quads[i][0]));
+    const auto length = [&](int a, int b) { return (mesh.positions.row(q[a]) - mesh.positions.row(q[b])).norm(); };
+    const int turn = length(0, 2) <= length(1, 3) ? 0 : 1;
+    const auto corner = [&](int k) { return q[(k + turn) % 4]; };
+    mesh.triangles.row(2 * Eigen::Index(i)) << corner(0), corner(1), corner(2);
+    mesh.triangles.row(2 * Eigen::Index(i) + 1) << corner(0), corner(2), corner(3);
+  }
+  return mesh;
+}
 
 }  // namespace
 
@@ -46,11 +142,16 @@ LevelSet::LevelSet(const Points& positions, const Triangles& triangles, const Ve
   openvdb::initialize();
   data_->origin = origin;
   data_->voxel = options.voxel;
-  const IndexSpaceMesh mesh{positions, triangles, origin, options.voxel};
+  // of all forms of a mesh, this one's meshToVolume() lies compiled in libopenvdb: a minute less for our compiler
+  const auto points = corners(positions, origin, options.voxel);
+  const auto faces = polygons(triangles);
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(points, faces);
+  openvdb::util::NullInterrupter no_interrupter;
   const auto transform = openvdb::math::Transform::createLinearTransform(options.voxel);
   const auto band = float(std::max(1.5, options.band_voxels));
   const int flags = options.is_signed ? 0 : int(openvdb::tools::UNSIGNED_DISTANCE_FIELD);
-  data_->grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, *transform, band, band, flags);
+  data_->grid =
+      openvdb::tools::meshToVolume<openvdb::FloatGrid>(no_interrupter, mesh, *transform, band, band, flags, nullptr);
 }
 
 LevelSet::~LevelSet() = default;
@@ -86,6 +187,10 @@ std::vector<float> LevelSet::dense(const Vector3i& first, const Vector3i& size) 
   openvdb::tools::Dense<float, openvdb::tools::LayoutZYX> dense(box, values.data());
   openvdb::tools::copyToDense(*data_->grid, dense);
   return values;
+}
+
+TriangleMesh contour(const DistanceFunction& distance, const Vector3d& min, const Vector3d& max, double cell_size) {
+  return triangles_of(*sample_grid(distance, min, max, cell_size));
 }
 
 }  // namespace umax

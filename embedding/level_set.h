@@ -1,6 +1,7 @@
-// The mesh as an OpenVDB level set: signed distances near the surface, inside or outside everywhere.
+// Meshes as OpenVDB level sets, signed distances near the surface, inside or outside everywhere; and the way back.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -35,5 +36,12 @@ class LevelSet {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// Signed distance [m] at a point, right where it is at most `reach` [m]; called from several threads.
+using DistanceFunction = std::function<double(const Vector3d& p, double reach)>;
+
+/// Triangles of a distance function's zero level set within the box min .. max [m], by dual contouring of cells with
+/// edge cell_size [m]: counter-clockwise from outside, no normals. The same bytes for any number of threads.
+TriangleMesh contour(const DistanceFunction& distance, const Vector3d& min, const Vector3d& max, double cell_size);
 
 }  // namespace umax

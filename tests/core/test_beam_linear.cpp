@@ -1,11 +1,11 @@
 // The element in an assembled body: patch test, linear beam, its frequencies, and its co-rotated static equilibrium.
 // Reference values come from independent finite element codes (linear statics: CalculiX C3D8).
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "core/elastic_energy.h"
 #include "core/material.h"
 #include "tests/support/catch.h"
+#include "tests/support/eigenvalues.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/linear_assembly.h"
 
@@ -61,9 +61,8 @@ Eigen::Matrix<double, 6, 1> frequencies(const Beam& beam, const Matrix24d& eleme
   const auto whole = [&](const Matrix24d& element) {
     return MatrixXd(free_columns(assemble(beam.lattice, beam.free, [&](Eigen::Index) { return element; }), beam.free));
   };
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(
-      whole(young * beam.shape.stiffness), whole(element_mass), Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
-  return solver.eigenvalues().head<6>().cwiseSqrt() / (2 * 3.14159265358979323846);
+  return generalized_eigenvalues(whole(young * beam.shape.stiffness), whole(element_mass)).head<6>().cwiseSqrt() /
+         (2 * 3.14159265358979323846);
 }
 
 enum class Force { warped, exact };

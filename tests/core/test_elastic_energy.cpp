@@ -1,6 +1,5 @@
 #include "core/elastic_energy.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "core/energy_limit.h"
