@@ -1,5 +1,6 @@
 #include "core/energy_limit.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/material.h"

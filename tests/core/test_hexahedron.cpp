@@ -1,5 +1,6 @@
 #include "core/hexahedron.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <string>
 

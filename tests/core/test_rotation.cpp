@@ -1,5 +1,6 @@
 #include "core/rotation.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
