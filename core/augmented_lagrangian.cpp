@@ -36,17 +36,9 @@ Vector3d relative_motion(const StepProblem& problem, const Points& positions, co
 
 Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
   Linearisation at;
-  at.limits.resize(problem.limits.size());
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
-    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
-    const LimitKind kind = limit_kind(*problem.model, e);
-    if (kind == LimitKind::hard) {
-      at.limits[e] = hard_limit_terms(energy, limit, iterate.multipliers[e], relative_penalty * limit);
-      at.limits[e].stiffening = at.limits[e].force;  // L's own Hessian
-    } else if (kind == LimitKind::soft) {
-      at.limits[e] = soft_limit_terms(energy, limit, {});
-    }
-  }
+  at.limits = limit_terms(problem, iterate, relative_penalty);
+  for (Eigen::Index e = 0; e < problem.limits.size(); ++e)
+    if (limit_kind(*problem.model, e) == LimitKind::hard) at.limits[e].stiffening = at.limits[e].force;  // L's own
   for (const Contact& contact : iterate.contacts)
     at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
                                             relative_motion(problem, iterate.positions, contact),

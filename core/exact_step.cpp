@@ -19,21 +19,6 @@ constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
 
-// force, stiffening and rank-one weight of every limit at the iterate; contacts are solved for apart
-Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
-  Linearisation at;
-  at.limits.resize(problem.limits.size());
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
-    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
-    const LimitKind kind = limit_kind(*problem.model, e);
-    if (kind == LimitKind::hard)
-      at.limits[e] = hard_limit_terms(energy, limit, iterate.multipliers[e], relative_penalty * limit);
-    else if (kind == LimitKind::soft)
-      at.limits[e] = soft_limit_terms(energy, limit, {});
-  }
-  return at;
-}
-
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
                                        const MatrixXd& W) {
@@ -141,7 +126,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
     ++report.sqp_iterations;
-    const Linearisation at = linearise(problem, iterate);
+    const Linearisation at{limit_terms(problem, iterate, relative_penalty), {}};  // contacts are solved for apart
     report.factorisations += factorize(problem, at, iterate, workspace);
     VectorXd step = solve_step(problem, workspace.cholesky, gradient(problem, iterate, at), iterate, report);
     iterate.last_move = largest_move(model, step);

@@ -76,6 +76,19 @@ std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate&
 
 }  // namespace
 
+std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty) {
+  std::vector<LimitTerms> terms(problem.limits.size());
+  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
+    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
+    const LimitKind kind = limit_kind(*problem.model, e);
+    if (kind == LimitKind::hard)
+      terms[e] = hard_limit_terms(energy, limit, iterate.multipliers[e], relative_penalty * limit);
+    else if (kind == LimitKind::soft)
+      terms[e] = soft_limit_terms(energy, limit, {});
+  }
+  return terms;
+}
+
 int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace) {
   const double h = problem.h;
   const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();

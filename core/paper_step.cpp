@@ -10,8 +10,6 @@
 namespace umax {
 namespace {
 
-// vertices deeper than this share of the tolerance join the working set, so that the rest stays within it
-
 // the step's unknowns as they are improved
 struct PaperIterate {
   VectorXd velocity;              // 3 #N

@@ -9,6 +9,8 @@
 
 namespace umax::test {
 
+constexpr double tie = 1e-9;  // [cells] a point on the face of two hexes rides in the upper one, whatever rounding says
+
 EmbeddedPoints embed_in_box(const Lattice& lattice, const Vector3i& num_cells, const Points& points) {
   EmbeddedPoints embedded;
   embedded.hex.resize(points.rows());
@@ -16,7 +18,8 @@ EmbeddedPoints embed_in_box(const Lattice& lattice, const Vector3i& num_cells, c
   for (Eigen::Index p = 0; p < points.rows(); ++p) {
     const Vector3d scaled = (points.row(p).transpose() - lattice.origin).cwiseQuotient(lattice.cell_size);
     Vector3i cell;
-    for (int axis = 0; axis < 3; ++axis) cell[axis] = std::clamp(int(std::floor(scaled[axis])), 0, num_cells[axis] - 1);
+    for (int axis = 0; axis < 3; ++axis)
+      cell[axis] = std::clamp(int(std::floor(scaled[axis] + tie)), 0, num_cells[axis] - 1);
     embedded.hex[p] = (cell[0] * num_cells[1] + cell[1]) * num_cells[2] + cell[2];
     const Vector3d local = 2 * (scaled - cell.cast<double>()) - Vector3d::Ones();
     embedded.weights.row(p) = shape_functions(local).transpose();
