@@ -1,7 +1,9 @@
 #include "core/hexahedron.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -34,16 +36,20 @@ Matrix3d material_jacobian(const Matrix8x3d& nodes, const Vector3d& s) {
 }
 
 void check_not_inverted(const Matrix8x3d& nodes) {
-  const double size = (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
-  const double smallest = 1e-12 * size * size * size;
-  const auto check = [&](const Vector3d& s, const std::string& place) {
-    const double det = material_jacobian(nodes, s).determinant();
-    if (!(det > smallest))
-      refuse("is inverted or degenerate: det(dX/ds) must be positive at its " + place, det,
-             "list its nodes with z fastest, then y, then x, and untangle the mesh");
-  };
-  for (int n = 0; n < 8; ++n) check(quadrature_points()[n], "quadrature point " + std::to_string(n));
-  for (int n = 0; n < 8; ++n) check(node_sign(n), "node " + std::to_string(n));
+  const HexQuality quality = hex_quality(nodes);
+  if (!quality.usable)
+    refuse("is inverted or degenerate: det(dX/ds) must be positive at its " + place_name(quality.place),
+           quality.least_determinant, "list its nodes with z fastest, then y, then x, and untangle the mesh");
+}
+
+// triple product of the unit edges that leave a node
+double scaled_jacobian(const Matrix8x3d& nodes, int n) {
+  Matrix3d edges;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int other = n ^ (4 >> axis);
+    edges.col(axis) = node_sign(other)[axis] * (nodes.row(other) - nodes.row(n)).normalized();
+  }
+  return edges.determinant();
 }
 
 // strains (xx, yy, zz, yz, xz, xy; engineering shear) of the nodal displacements, from dN/dX
@@ -105,6 +111,35 @@ const std::array<Vector3d, 8>& quadrature_points() {
     return p;
   }();
   return points;
+}
+
+Vector8d node_volumes(const HexShape& shape) {
+  Vector8d volumes = Vector8d::Zero();
+  for (int q = 0; q < 8; ++q) volumes += shape.weights[q] * shape_functions(quadrature_points()[q]);
+  return volumes;
+}
+
+HexQuality hex_quality(const Matrix8x3d& nodes) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double size = (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
+  HexQuality quality{.least_determinant = infinity, .scaled_jacobian = infinity};
+  double largest = -infinity;
+  for (int place = 0; place < 16; ++place) {
+    const Vector3d s = place < 8 ? quadrature_points()[place] : node_sign(place - 8);
+    const double det = material_jacobian(nodes, s).determinant();
+    largest = std::max(largest, det);
+    if (det >= quality.least_determinant) continue;
+    quality.least_determinant = det;
+    quality.place = place;
+  }
+  for (int n = 0; n < 8; ++n) quality.scaled_jacobian = std::min(quality.scaled_jacobian, scaled_jacobian(nodes, n));
+  quality.determinant_ratio = quality.least_determinant / largest;
+  quality.usable = nodes.allFinite() && quality.least_determinant > 1e-12 * size * size * size;
+  return quality;
+}
+
+std::string place_name(int place) {
+  return place < 8 ? "quadrature point " + std::to_string(place) : "node " + std::to_string(place - 8);
 }
 
 HexShape make_hex_shape(const Matrix8x3d& nodes, double poisson) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "core/types.h"
 
@@ -43,7 +44,24 @@ struct HexShape {
 };
 
 /// nodes: 8 x 3 rest positions [m]. The general isoparametric map; throws Error (bad_data) if det(dX/ds) <= 0
-/// somewhere.
+/// at a node or quadrature point.
 HexShape make_hex_shape(const Matrix8x3d& nodes, double poisson);
+
+/// [m^3] integral of each node's shape function over the hex: its share of the volume. They sum to the volume, and
+/// masses in this ratio have the centre of mass of the hex (row-sum lumping).
+Vector8d node_volumes(const HexShape& shape);
+
+/// How far a hex is from a box, by det(dX/ds) at its nodes and quadrature points.
+struct HexQuality {
+  double least_determinant = 0;  // [m^3]
+  int place = 0;                 // of the least: quadrature point 0 ... 7, or 8 + node
+  double determinant_ratio = 0;  // [-] least over largest: 1 for a parallelepiped
+  double scaled_jacobian = 0;    // [-] least triple product of the unit edges at a node: 1 for a box, <= 0: inverted
+  bool usable = false;           // make_hex_shape() takes it
+};
+HexQuality hex_quality(const Matrix8x3d& nodes);
+
+/// "node 3" or "quadrature point 5", from HexQuality::place.
+std::string place_name(int place);
 
 }  // namespace umax

@@ -61,6 +61,20 @@ Lattice make_box_lattice(const Vector3i& num_cells, const Vector3d& origin, cons
   return make_lattice(cells, origin, cell_size);
 }
 
+Lattice make_irregular_lattice(const Points& nodes, const Hexes& hexes) {
+  Lattice lattice;
+  lattice.rest_positions = nodes;
+  lattice.hexes = hexes;
+  lattice.filled_fraction = VectorXd::Ones(hexes.rows());
+  return lattice;
+}
+
+Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex) {
+  Matrix8x3d nodes;
+  for (int n = 0; n < 8; ++n) nodes.row(n) = lattice.rest_positions.row(lattice.hexes(hex, n));
+  return nodes;
+}
+
 void validate(const Lattice& lattice) {
   const auto fail = [](const std::string& what, const std::string& value, const std::string& remedy) {
     throw Error(ExitCode::bad_data, {"cage", what, value, remedy});
@@ -70,13 +84,14 @@ void validate(const Lattice& lattice) {
     fail("needs one filled fraction per hex", std::to_string(lattice.filled_fraction.size()), "");
   if (lattice.cells.rows() != 0 && lattice.cells.rows() != lattice.num_hexes())
     fail("needs one grid coordinate per hex", std::to_string(lattice.cells.rows()), "");
+  if (lattice.is_regular() && !(lattice.cell_size.array() > 0).all())
+    fail("needs the size of its cells", std::to_string(lattice.cell_size.minCoeff()), "");
   if (!lattice.rest_positions.allFinite())
     fail("has node positions that are not finite", "", "check the mesh's coordinates");
   if (lattice.hexes.minCoeff() < 0 || lattice.hexes.maxCoeff() >= lattice.num_nodes())
     fail("has a hex that names a node outside the list", std::to_string(lattice.hexes.maxCoeff()), "");
   for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e) {
-    Matrix8x3d nodes;
-    for (int n = 0; n < 8; ++n) nodes.row(n) = lattice.rest_positions.row(lattice.hexes(e, n));
+    const Matrix8x3d nodes = rest_nodes(lattice, e);
     const double determinant = Matrix3d(nodes.transpose() * shape_gradients(Vector3d::Zero())).determinant();
     if (!(determinant > 0))
       fail("has a hex that is flat or inside out", "hex " + std::to_string(e), "check its node order");

@@ -6,7 +6,7 @@
 namespace umax {
 
 struct Lattice {
-  Points rest_positions;        // #N x 3 [m], nodes sorted by grid coordinates, x slowest, z fastest
+  Points rest_positions;        // #N x 3 [m]; regular: sorted by grid coordinates, x slowest, z fastest
   Hexes hexes;                  // #E x 8 indices into rest_positions, local order: core/hexahedron.h
   Cells cells;                  // #E x 3 grid coordinates of each hex, sorted likewise; empty: an irregular mesh
   Vector3d origin{0, 0, 0};     // [m] corner of cell (0, 0, 0)
@@ -15,6 +15,7 @@ struct Lattice {
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }
+  bool is_regular() const { return cells.rows() > 0; }
 };
 
 /// Lattice of the given grid cells (any order, no duplicates). filled_fraction is set to 1.
@@ -22,6 +23,12 @@ Lattice make_lattice(const Cells& cells, const Vector3d& origin, const Vector3d&
 
 /// Full grid of num_cells cells with its lowest corner at origin.
 Lattice make_box_lattice(const Vector3i& num_cells, const Vector3d& origin, const Vector3d& cell_size);
+
+/// Irregular lattice of any hexes (local order: core/hexahedron.h). filled_fraction is set to 1.
+Lattice make_irregular_lattice(const Points& nodes, const Hexes& hexes);
+
+/// The 8 rest positions of a hex.
+Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex);
 
 /// Throws Error (bad_data) unless indices are in range, hexes are not inverted, and sizes agree.
 void validate(const Lattice& lattice);

@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "core/error.h"
 #include "core/material.h"
 
 namespace umax {
@@ -12,22 +14,27 @@ namespace {
 // cells that hold little of the solid keep this share of their mass, so that no node is weightless
 constexpr double least_filled_fraction = 0.05;
 
-Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex) {
-  Matrix8x3d nodes;
-  for (int n = 0; n < 8; ++n) nodes.row(n) = lattice.rest_positions.row(lattice.hexes(hex, n));
-  return nodes;
+// make_hex_shape() that names the hex
+HexShape shape_of(const Body& body, Eigen::Index hex, const Matrix8x3d& nodes) {
+  try {
+    return make_hex_shape(nodes, body.material.poisson);
+  } catch (const Error& error) {
+    ErrorText text = error.text();
+    text.where = "body." + body.name + ".cage: hex " + std::to_string(hex);
+    throw Error(error.exit_code(), text);
+  }
 }
 
 // equal cells of a regular lattice share one shape; an irregular hex has its own
 void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
-  const bool regular = body.lattice.cells.rows() > 0;
+  const bool regular = body.lattice.is_regular();
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
     if (!regular || e == 0) {
       Matrix8x3d nodes = rest_nodes(body.lattice, e);
       if (regular)  // exact corners: the shape must not carry the rounding of one cell's place in the grid
         for (int n = 0; n < 8; ++n)
           for (int axis = 0; axis < 3; ++axis) nodes(n, axis) = (n >> (2 - axis) & 1) * body.lattice.cell_size[axis];
-      model.shapes.push_back(make_hex_shape(nodes, body.material.poisson));
+      model.shapes.push_back(shape_of(body, e, nodes));
     }
     model.hex_shape[first_hex + e] = int(model.shapes.size()) - 1;
   }
@@ -38,8 +45,12 @@ void append_masses(const Body& body, Eigen::Index first_node, Eigen::Index first
     double fraction = 1;
     if (body.material.mass == MassModel::mesh)
       fraction = std::max(least_filled_fraction, body.lattice.filled_fraction[e]);
-    const double share = body.material.density * model.shapes[model.hex_shape[first_hex + e]].volume * fraction / 8;
-    for (int n = 0; n < 8; ++n) model.node_mass[first_node + body.lattice.hexes(e, n)] += share;
+    const HexShape& shape = model.shapes[model.hex_shape[first_hex + e]];
+    // the nodes of a box have equal shares
+    const Vector8d volumes =
+        body.lattice.is_regular() ? Vector8d::Constant(shape.volume / 8).eval() : node_volumes(shape);
+    for (int n = 0; n < 8; ++n)
+      model.node_mass[first_node + body.lattice.hexes(e, n)] += body.material.density * volumes[n] * fraction;
   }
 }
 
@@ -55,7 +66,7 @@ void set_initial_velocities(const Body& body, Eigen::Index first_node, Model& mo
 }
 
 double smallest_edge(const Lattice& lattice) {
-  if (lattice.cells.rows() > 0) return lattice.cell_size.minCoeff();
+  if (lattice.is_regular()) return lattice.cell_size.minCoeff();
   double smallest = std::numeric_limits<double>::infinity();
   for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
     for (int n = 0; n < 8; ++n)
@@ -98,8 +109,8 @@ void append(const Body& body, Model& model) {
   model.hex_body.tail(num_hexes).setConstant(int(model.bodies.size()) - 1);
   model.young_factor.conservativeResizeLike(VectorXd::Ones(hex + num_hexes));
   model.limit_factor.conservativeResizeLike(VectorXd::Ones(hex + num_hexes));
-  model.young_factor.tail(num_hexes).setOnes();
-  model.limit_factor.tail(num_hexes).setOnes();
+  if (body.young_factor.size() > 0) model.young_factor.tail(num_hexes) = body.young_factor;
+  if (body.limit_factor.size() > 0) model.limit_factor.tail(num_hexes) = body.limit_factor;
 
   model.surface.hex.conservativeResize(point + body.surface.size());
   model.surface.hex.tail(body.surface.size()) = body.surface.hex.array() + int(hex);

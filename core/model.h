@@ -47,6 +47,8 @@ struct Body {
   Vector3d velocity{0, 0, 0};    // [m/s]
   Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
   std::vector<int> fixed_nodes;  // lattice nodes that stay put
+  VectorXd young_factor;         // #E [-] of each hex on Young's modulus; empty: 1
+  VectorXd limit_factor;         // #E [-] of each hex on the limit, whatever its unit; empty: 1
   EmbeddedPoints surface;        // the mesh's vertices in this lattice: contact candidates
   Points surface_rest;           // #P x 3 [m] their rest positions
   std::shared_ptr<const SampledDistance>

@@ -43,6 +43,15 @@ void validate_surface(const Body& body, const std::string& where) {
     fail(where, "has weights that are not finite", std::numeric_limits<double>::quiet_NaN(), "check the mesh");
 }
 
+void validate_factors(const VectorXd& factors, Eigen::Index num_hexes, const std::string& where) {
+  if (factors.size() == 0) return;
+  if (factors.size() != num_hexes)
+    fail(where, "needs one factor per hex, or none", double(factors.size()),
+         "the cage has " + std::to_string(num_hexes) + " hexes");
+  for (Eigen::Index e = 0; e < num_hexes; ++e)
+    require_positive(factors[e], where + " of hex " + std::to_string(e), "1 leaves the body's value as it is");
+}
+
 void validate_cage(const Body& body, const std::string& where) {
   try {
     validate(body.lattice);
@@ -78,6 +87,8 @@ void validate(const Body& body) {
   for (const int node : body.fixed_nodes)
     if (node < 0 || node >= body.lattice.num_nodes())
       fail(where + ".fixed_nodes", "names a node that the cage does not have", node, "");
+  validate_factors(body.young_factor, body.lattice.num_hexes(), where + ".young_factor");
+  validate_factors(body.limit_factor, body.lattice.num_hexes(), where + ".limit_factor");
   validate_surface(body, where + ".surface");
 }
 
