@@ -16,47 +16,6 @@ namespace {
 constexpr double young = 150e3, poisson = 0.3;
 const Vector3d beam_cell(1.0 / 14, 0.06, 0.06);
 
-// [PPO13] Eq. 16 in its own words, with the rotation given: the oracle for stiffness_paper
-double paper_energy(const HexShape& shape, const Matrix3d& R, const Matrix8x3d& x) {
-  const Moduli m = moduli(young, poisson);
-  double energy = 0;
-  for (int q = 0; q < 8; ++q) {
-    const Matrix3d du = R.transpose() * (x.transpose() * shape.gradients[q]) - Matrix3d::Identity();
-    double density = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) density += du(i, i) * (i == k ? m.E1 : m.E2) * du(k, k);
-    for (int i = 0; i < 3; ++i)
-      for (int k = i + 1; k < 3; ++k) density += 0.5 * m.E3 * (du(i, k) + du(k, i)) * (du(i, k) + du(k, i));
-    energy += shape.weights[q] * density;
-  }
-  return energy;
-}
-
-// [PPO13] Eq. 15, 17, 18 summed over the quadrature points, with the modulus of the shear lines and the gradients to
-// use
-Vector24d paper_gradient(const HexShape& shape, const Matrix3d& R, const Matrix8x3d& x, double shear_modulus,
-                         bool material_gradients) {
-  const Moduli m = moduli(young, poisson);
-  Vector24d gradient = Vector24d::Zero();
-  for (int q = 0; q < 8; ++q) {
-    const Matrix3d du = R.transpose() * (x.transpose() * shape.gradients[q]) - Matrix3d::Identity();
-    const Matrix8x3d h = material_gradients ? shape.gradients[q] : shape_gradients(quadrature_points()[q]);
-    for (int j = 0; j < 8; ++j) {
-      Vector3d de = Vector3d::Zero();
-      for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) {
-          const double E = i == k ? m.E1 : m.E2;
-          de += E * du(k, k) * h(j, i) * R.col(i) + du(i, i) * E * h(j, k) * R.col(k);
-        }
-      for (int i = 0; i < 3; ++i)
-        for (int k = i + 1; k < 3; ++k)
-          de += shear_modulus * (du(i, k) + du(k, i)) * (h(j, k) * R.col(i) + h(j, i) * R.col(k));
-      gradient.segment<3>(3 * j) += shape.weights[q] * de;
-    }
-  }
-  return gradient;
-}
-
 // e_paper / e_true of a small symmetric strain
 double energy_ratio(const HexShape& shape, const Matrix3d& strain) {
   const CorotatedHex hex =
@@ -104,43 +63,6 @@ TEST_CASE("the energy limit jacobian matches finite differences to second order"
         CHECK(result.highest_order < 2.05);
         CHECK(result.last_error < 1e-4);
       }
-}
-
-TEST_CASE("the paper's energy as a quadratic form is [PPO13] Eq. 16") {
-  Random random(2);
-  for (const Matrix8x3d& nodes : {box_nodes(beam_cell), distorted_nodes()}) {
-    const HexShape shape = make_hex_shape(nodes, poisson);
-    const Matrix8x3d x = deformed(nodes, random, 0.1 * nodes.maxCoeff());
-    const CorotatedHex hex = corotate(shape, RotationEstimate::kuhn, x);
-    CHECK(elastic_energy(shape.stiffness_paper, young, hex) ==
-          Approx(paper_energy(shape, hex.rotation, x)).epsilon(1e-11));
-  }
-}
-
-TEST_CASE("[PPO13] Eq. 17 is the gradient with E3 and H F^-1, and wrong with the printed E2 or with H") {
-  Random random(3);
-  const HexShape shape = make_hex_shape(box_nodes(beam_cell), poisson);
-  const Moduli m = moduli(young, poisson);
-  double mean_error_E2 = 0;
-  constexpr int num_samples = 30;
-  for (int i = 0; i < num_samples; ++i) {
-    const Matrix8x3d x = deformed(shape.rest_nodes, random, 0.01);
-    const CorotatedHex hex = corotate(shape, RotationEstimate::centre, x);
-    const auto energy = [&](const Vector24d& y) { return paper_energy(shape, hex.rotation, as_nodes(y)); };
-    const Vector24d difference = difference_gradient(energy, stacked(x), 0.01);  // exact: quadratic with R held
-
-    CHECK(relative_error(paper_gradient(shape, hex.rotation, x, m.E3, true), difference) < 1e-9);
-    const Vector24d library = energy_limit_jacobian(shape, EnergyMeasure::paper, LimitJacobian::fixed_rotation,
-                                                    RotationEstimate::centre, young, 2.0, hex);
-    CHECK(relative_error(Vector24d(-2.0 * library), difference) < 1e-9);
-
-    const double error_E2 = relative_error(paper_gradient(shape, hex.rotation, x, m.E2, true), difference);
-    CHECK(error_E2 > 0.02);
-    mean_error_E2 += error_E2 / num_samples;
-    CHECK(relative_error(paper_gradient(shape, hex.rotation, x, m.E3, false), difference) > 0.8);
-  }
-  CHECK(mean_error_E2 > 0.1);
-  CHECK(mean_error_E2 < 0.5);
 }
 
 TEST_CASE("the paper's energy lies between once and twice the true energy") {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/finite_differences.h"
 #include "core/types.h"
 
 namespace umax::test {
@@ -29,19 +30,6 @@ Convergence convergence(double h, const Error& error) {
   return result;
 }
 
-/// Central differences of a scalar function of 24 coordinates.
-template <class Function>
-Vector24d difference_gradient(const Function& f, const Vector24d& x, double h) {
-  Vector24d gradient;
-  for (int i = 0; i < 24; ++i) {
-    Vector24d plus = x, minus = x;
-    plus[i] += h;
-    minus[i] -= h;
-    gradient[i] = (f(plus) - f(minus)) / (2 * h);
-  }
-  return gradient;
-}
-
 /// Central differences of a vector function; column i is the derivative by x_i.
 template <class Function>
 Matrix24d difference_jacobian(const Function& f, const Vector24d& x, double h) {
@@ -53,11 +41,6 @@ Matrix24d difference_jacobian(const Function& f, const Vector24d& x, double h) {
     jacobian.col(i) = (f(plus) - f(minus)) / (2 * h);
   }
   return jacobian;
-}
-
-template <class A, class B>
-double relative_error(const A& found, const B& expected) {
-  return (found - expected).norm() / expected.norm();
 }
 
 }  // namespace umax::test

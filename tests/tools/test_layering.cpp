@@ -28,10 +28,11 @@ std::string room_of(const std::string& path) {
 std::vector<Include> includes_of(const std::string& room) {
   static const std::regex line(R"(^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"])", std::regex::multiline);
   std::vector<Include> includes;
-  for (const auto& entry : fs::directory_iterator(fs::path(UMAX_SOURCE_DIR) / room)) {
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(UMAX_SOURCE_DIR) / room)) {
     const std::string extension = entry.path().extension().string();
     if (extension != ".h" && extension != ".cpp") continue;
-    const std::string text = file_text(entry.path()), file = room + "/" + entry.path().filename().string();
+    const std::string text = file_text(entry.path()),
+                      file = fs::relative(entry.path(), UMAX_SOURCE_DIR).generic_string();
     for (std::sregex_iterator match(text.begin(), text.end(), line), end; match != end; ++match) {
       const std::string target = (*match)[1];
       const bool ours = std::find(rooms.begin(), rooms.end(), room_of(target)) != rooms.end() &&
@@ -134,7 +135,7 @@ TEST_CASE("libraries with large interfaces are included by one source file") {
 
 TEST_CASE("every header says in its first line what it is for, and is included once") {
   for (const std::string& room : rooms)
-    for (const auto& entry : fs::directory_iterator(fs::path(UMAX_SOURCE_DIR) / room)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(UMAX_SOURCE_DIR) / room)) {
       if (entry.path().extension() != ".h") continue;
       CAPTURE(entry.path());
       const std::string text = file_text(entry.path());
