@@ -3,51 +3,19 @@
 #include <cstdio>
 
 #include "render/colormap.h"
+#include "render/html.h"
 #include "render/image_io.h"
 #include "render/write_file.h"
 
 namespace umax {
 namespace {
 
-std::string base64(const std::string& bytes) {
-  constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return k < bytes.size() ? unsigned(static_cast<unsigned char>(bytes[k])) : 0u;
-    };
-    const unsigned three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    text += letters[three >> 18 & 63];
-    text += letters[three >> 12 & 63];
-    text += i + 1 < bytes.size() ? letters[three >> 6 & 63] : '=';
-    text += i + 2 < bytes.size() ? letters[three & 63] : '=';
-  }
-  return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string picture(const Image8& image, const std::string& id) {
-  return "<img id=\"" + id + "\" alt=\"" + id + "\" src=\"data:image/png;base64," + base64(encode_png(image)) + "\">";
+  return "<img id=\"" + id + "\" alt=\"" + id + "\" src=\"" + png_data_url(encode_png(image)) + "\">";
 }
 
 std::string figure(const Image8& image, const std::string& id, const std::string& caption) {
-  return "<figure>" + picture(image, id) + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+  return "<figure>" + picture(image, id) + "<figcaption>" + html_text(caption) + "</figcaption></figure>\n";
 }
 
 std::string numbers(const FlipResult& difference) {
@@ -71,9 +39,9 @@ pre { background: #0c0d10; padding: .8em; overflow-x: auto; user-select: all; }
 
 void write_compare_report(const std::filesystem::path& path, const Comparison& comparison) {
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     escaped(comparison.name) + "</title><style>" + style + "</style></head><body>\n<h1>" +
-                     escaped(comparison.name) + "</h1>\n<p>" + escaped(comparison.verdict) + "</p>\n<p>" +
-                     escaped(numbers(comparison.difference)) + "</p>\n<main>\n";
+                     html_text(comparison.name) + "</title><style>" + style + "</style></head><body>\n<h1>" +
+                     html_text(comparison.name) + "</h1>\n<p>" + html_text(comparison.verdict) + "</p>\n<p>" +
+                     html_text(numbers(comparison.difference)) + "</p>\n<main>\n";
   page += figure(comparison.reference, "reference", "reference");
   page += figure(comparison.result, "result", "result");
   page += figure(difference_picture(comparison.difference.map), "difference",
@@ -81,7 +49,7 @@ void write_compare_report(const std::filesystem::path& path, const Comparison& c
   page += "<figure id=\"flip\">" + picture(comparison.reference, "front") + picture(comparison.result, "back") +
           "<figcaption>reference; under the pointer: result</figcaption></figure>\n</main>\n";
   if (!comparison.update_command.empty())
-    page += "<p>If the result is right, make it the reference:</p>\n<pre>" + escaped(comparison.update_command) +
+    page += "<p>If the result is right, make it the reference:</p>\n<pre>" + html_text(comparison.update_command) +
             "</pre>\n";
   page += "</body></html>\n";
   write_file(path, page);

@@ -174,6 +174,7 @@ std::filesystem::path ExistingFileKind::read(const SceneValue& value) const {
 
 std::string WordKind::read(const SceneValue& value) const {
   const auto* text = value.as<std::string>();
+  if (!text && value.place.is_override) text = &value.raw_text;  // --set solver.energy=true
   if (!text)
     throw value_error(value, "must be one of " + join(words) + ", but is " + type_text(value), "write one in quotes");
   if (std::find(words.begin(), words.end(), *text) != words.end()) return *text;

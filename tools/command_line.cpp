@@ -11,8 +11,8 @@
 namespace umax {
 namespace {
 
-constexpr std::string_view everywhere = "run simulate render turntable drop inspect scenes compare help";
-constexpr std::string_view not_built[] = {"reproduce", "tune", "fit", "export"};
+constexpr std::string_view everywhere = "run simulate render turntable drop inspect scenes reproduce compare help";
+constexpr std::string_view not_built[] = {"tune", "fit", "export"};
 
 /// An option with the verbs that take it and what help says of it.
 struct OptionEntry {
@@ -99,22 +99,26 @@ class Grammar {
 
   void add_run_options(Options& o) {
     constexpr std::string_view runs = "run simulate render turntable drop", steps = "run simulate drop";
-    add("-o,--output", "DIR", o.output, runs, "the folder of the run (default: ./NAME, the scene's or mesh's name)");
-    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect",
+    constexpr std::string_view folders = "run simulate render turntable drop reproduce";
+    add("-o,--output", "DIR", o.output, folders,
+        "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report)");
+    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect reproduce",
         "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable")
         ->allow_extra_args(false);
     add("--frames", "LIST", o.frames, runs, "only these frames, as in 1-40,50,60-90x2");
-    add_flag("--resume", o.resume, runs, "go on with the folder's run where it stopped");
-    add_flag("--overwrite", o.overwrite, runs, "replace the run that the folder holds");
+    add_flag("--resume", o.resume, folders, "go on with the folder's run where it stopped");
+    add_flag("--overwrite", o.overwrite, folders, "replace the run that the folder holds");
     add_flag("--strict", o.strict, steps, "end with exit code 75 when a step does not converge");
-    add_flag("--quick", o.quick, "run render turntable drop", "few samples and small pictures, for a first look");
+    add_flag("--quick", o.quick, "run render turntable drop reproduce",
+             "few samples and small pictures, for a first look");
   }
 
   void add_picture_options(Options& o) {
     constexpr std::string_view pictures = "run render turntable drop";
     add("--engine", "ENGINE", o.engine, pictures, "embree (path tracer) or osmesa (rasteriser)")
         ->check(CLI::IsMember({"embree", "osmesa"}));
-    add("--samples", "N", o.samples, pictures, "paths per pixel of the path tracer")->check(CLI::Range(1, 1'000'000));
+    add("--samples", "N", o.samples, "run render turntable drop reproduce", "paths per pixel of the path tracer")
+        ->check(CLI::Range(1, 1'000'000));
     add("--size", "WxH", o.size, pictures, "size of the pictures in pixels, as in 1280x720")->check(is_size, "WxH");
     add("--seed", "N", o.seed, pictures, "seed of the path tracer's noise")->check(CLI::Range(0LL, 4294967295LL));
     add("--still", "FRAME", o.still, "turntable", "the frame of the run that is circled (default: the last)")
@@ -135,13 +139,13 @@ class Grammar {
   }
 
   void add_general_options(Options& o) {
-    constexpr std::string_view workers = "run simulate render turntable drop inspect compare";
+    constexpr std::string_view workers = "run simulate render turntable drop reproduce inspect compare";
     static const std::map<std::string, ProgressMode> modes{
         {"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}};
     add("--threads", "N", o.threads, workers, "number of threads (default: all cores); results do not depend on it")
         ->check(CLI::Range(1, 1024));
     CLI::Option* progress = app_.add_option("--progress", o.progress)->transform(CLI::CheckedTransformer(modes));
-    entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop",
+    entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce",
                         "auto (a bar on a terminal), plain (a line per frame) or json"});
     add_flag("--quiet", o.quiet, workers, "say nothing but warnings and errors");
     add_flag("--verbose", o.verbose, workers, "say more; simulate prints a line per iteration");

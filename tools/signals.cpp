@@ -9,6 +9,7 @@ namespace {
 constexpr std::array<int, 3> watched{SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t noted = 0;
 std::atomic<bool> stop = false;
+int num_watches = 0;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not lock");
 
 void note_signal(int number) {
@@ -19,6 +20,7 @@ void note_signal(int number) {
 }  // namespace
 
 SignalWatch::SignalWatch() {
+  if (num_watches++ > 0) return;  // a job within a larger one
   struct sigaction action {};
   action.sa_handler = note_signal;
   action.sa_flags = int(SA_RESETHAND) | SA_RESTART;
@@ -31,6 +33,7 @@ SignalWatch::SignalWatch() {
 }
 
 SignalWatch::~SignalWatch() {
+  if (--num_watches > 0) return;
   for (const int number : watched) {
     struct sigaction now {};
     sigaction(number, nullptr, &now);

@@ -5,7 +5,7 @@
 
 namespace umax {
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once.
+/// While one lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once.
 class SignalWatch {
  public:
   SignalWatch();

@@ -36,6 +36,14 @@ const std::vector<VerbHelp>& verbs() {
        "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used.\n\n"
        "  umax inspect bunny.ply --json\n"},
       {"scenes", "", "lists the built-in scenes", "One line each: name, then a description.\n"},
+      {"reproduce", "[NAME…]", "the paper's figures and tables",
+       "Runs the experiments of the paper that the program implements and writes DIR/index.html, a page that shows "
+       "what\n"
+       "came out beside what the paper prints, DIR/report.csv with all numbers, and the pictures. NAME is one of\n"
+       "figure1, figure3, figure4, figure5, figure6, performance, convergence, corrections; without a name, all of\n"
+       "them. With --resume a report that was stopped goes on, and further experiments join its page.\n\n"
+       "  umax reproduce figure3 --quick\n"
+       "  umax reproduce --set body.armadillo.mesh=armadillo.obj\n"},
       {"compare", "A B", "image difference: mean FLIP, maximum, percentage",
        "Compares two pictures, or the pictures of the same names in two folders. Exit code 0: the mean FLIP is within\n"
        "--max-flip; 1: it is not; 2 or more: the comparison failed.\n\n"

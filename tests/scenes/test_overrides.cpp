@@ -36,6 +36,7 @@ TEST_CASE("a --set takes quantities, words, numbers, lists and tables without qu
       "body.beam.position=[\"10 cm\", 2, 3]",
       "body.beam.look.color=#ffffff",
       "solver.method=exact",
+      "solver.energy=true",
       "clip.gravity=[0, 0, 0]",
       "render.size=640x360",
       "render.denoise=false",
@@ -50,6 +51,7 @@ TEST_CASE("a --set takes quantities, words, numbers, lists and tables without qu
   CHECK(beam.position == Vector3d(0.1, 2, 3));
   CHECK(beam.look.base_color == Vector3f(1, 1, 1));
   CHECK(scene.solver.method == SolverMethod::exact);
+  CHECK(scene.solver.energy == EnergyMeasure::true_energy);
   CHECK(scene.clip.gravity == Vector3d(0, 0, 0));
   CHECK(scene.render.width == 640);
   CHECK_FALSE(scene.render.denoise);

@@ -1,0 +1,87 @@
+// What an experiment works with: it asks for runs and pictures, and they are made unless they are there already.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/annotate.h"
+#include "tools/options.h"
+#include "tools/reproduce/report_folder.h"
+#include "tools/simulation_setup.h"
+#include "tools/steps_csv.h"
+
+namespace umax {
+
+/// Thrown when a signal asks us to stop: what is finished is kept.
+struct Interrupted {
+  int signal = 0;
+};
+
+/// A simulated clip of one time step a frame. Frame 1 is the initial state, row i of `steps` leads to frame i + 2.
+struct Run {
+  std::shared_ptr<const Simulation> simulation;
+  std::filesystem::path folder;
+  StepsFound steps;
+
+  int num_frames() const { return simulation->last_frame(); }
+  double time_of(int frame) const { return (frame - 1) * simulation->options.time_step; }  // [s]
+  State state(int frame) const;
+  /// A column of steps.csv, one value a step.
+  const std::vector<double>& column(const std::string& name) const { return steps.columns.at(name); }
+};
+
+/// Words on a tile; x and y in [0, 1] from the top left.
+struct TileNote {
+  std::string text;
+  double x = 0, y = 0;
+};
+
+/// A picture to be path-traced.
+struct Tile {
+  std::string label;  // below it
+  std::string key;    // of all that decides it but size, samples and words
+  std::function<RenderScene(double aspect)> shot;
+  std::vector<TileNote> notes{};
+};
+
+struct SheetSize {
+  int width = 480, height = 360;  // [px] of a tile
+  int columns = 3;
+  int samples = 128;  // paths a pixel
+};
+
+class Workbench {
+ public:
+  Workbench(ReportFolder& folder, const Options& options, Progress& progress, int threads);
+
+  bool quick() const { return options_.quick; }
+  ReportFolder& folder() { return folder_; }
+
+  /// A built-in scene with settings ("body.beam.limit.energy=1 J"), simulated into the folder runs/NAME. Throws
+  /// Interrupted, and Error as a run does.
+  Run simulate(const std::string& name, const std::string& scene, const std::vector<std::string>& settings);
+
+  /// The armadillo's file when --set body.armadillo.mesh names one: then scene "armadillo", else "figure".
+  bool has_armadillo() const { return !armadillo_.empty(); }
+  const std::vector<std::string>& armadillo_settings() const { return armadillo_; }
+
+  /// Traces the tiles that are not there yet and puts them side by side into NAME.png, smaller and coarser with
+  /// --quick. Throws Interrupted.
+  std::filesystem::path sheet(const std::string& name, const std::vector<Tile>& tiles, const SheetSize& size);
+
+ private:
+  std::filesystem::path paint(const std::string& name, const Tile& tile, const RenderDescription& render);
+
+  ReportFolder& folder_;
+  const Options& options_;
+  Progress& progress_;
+  int threads_;
+  std::vector<std::string> armadillo_;  // settings that place it
+};
+
+/// A run's frame with the camera, lights and sky of its scene.
+Tile tile_of(const Run& run, int frame, const std::string& label);
+
+}  // namespace umax
