@@ -170,7 +170,8 @@ int do_job(const Job& job, const Options& options) {
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
   check_before_start(job);
 
-  const Simulation simulation = set_up(job.scene);
+  const auto set_up_now = job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene));
+  const Simulation& simulation = *set_up_now;
   for (const std::string& warning : simulation.warnings) progress.warning(warning);
   for (const BodySetup& body : simulation.bodies)
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),

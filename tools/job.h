@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ namespace umax {
 /// What a verb wants done in a run's folder.
 struct Job {
   Scene scene;
+  std::shared_ptr<const Simulation> simulation = nullptr;  // of the scene, when it is set up already
   std::filesystem::path folder;
   ExistingFolder existing = ExistingFolder::refuse;
   bool simulate = true;

@@ -55,11 +55,11 @@ Report run_experiments(const std::vector<std::string>& wanted, const Options& op
 }  // namespace
 
 int verb_reproduce(const Options& options) {
-  const std::vector<std::string> names = wanted_names(options);
+  const std::vector<std::string> names = wanted_names(options), armadillo = armadillo_settings_of(options);
   const ThreadLimit threads(options.threads);
   Progress progress(stdout, options.progress, options.quiet);
   ReportFolder folder(output_folder(options, "report"), options.existing_folder());
-  Workbench bench(folder, options, progress, threads.count());
+  Workbench bench(folder, options, armadillo, progress, threads.count());
   const SignalWatch watch;
   try {
     run_experiments(names, options, bench, progress);

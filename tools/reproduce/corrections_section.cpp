@@ -1,4 +1,8 @@
 // The equations that are wrong in print.
+#include <fmt/format.h>
+
+#include <map>
+
 #include "tools/reproduce/corrections.h"
 #include "tools/reproduce/experiments.h"
 
@@ -20,8 +24,9 @@ ReportSection corrected_equations(Workbench&) {
                                 {"remark"},
                                 {"proved by the test"}},
                     .rows = {}};
+  std::map<std::string, int> seen;
   for (const Correction& row : corrections())
-    table.rows.push_back({row.equation,
+    table.rows.push_back({fmt::format("{} ({})", row.equation, ++seen[row.equation]),
                           {{row.printed},
                            {row.corrected},
                            {row.measure},

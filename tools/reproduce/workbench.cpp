@@ -16,20 +16,6 @@
 namespace umax {
 namespace {
 
-/// --set is for the armadillo's file and how it is placed; everything else the paper prescribes.
-std::vector<std::string> armadillo_of(const Options& options) {
-  bool has_mesh = false;
-  for (const std::string& setting : options.settings) {
-    const std::string key = parse_override(setting).key;
-    has_mesh = has_mesh || key == "body.armadillo.mesh";
-    if (key != "body.armadillo.mesh" && key != "body.armadillo.unit" && key != "body.armadillo.up")
-      throw Error(ExitCode::usage, {.where = "--set " + setting,
-                                    .what = "umax reproduce takes body.armadillo.mesh, .unit and .up only",
-                                    .remedy = "the experiments are the paper's; run others with umax run"});
-  }
-  return has_mesh ? options.settings : std::vector<std::string>();
-}
-
 /// Whether the folder holds this whole run.
 bool is_complete(const Simulation& simulation, const std::filesystem::path& folder) {
   const auto record = read_run_record(folder / "run.json");
@@ -49,8 +35,22 @@ State Run::state(int frame) const {
   return read_state(state_path(folder, frame), simulation->model, simulation->digest);
 }
 
-Workbench::Workbench(ReportFolder& folder, const Options& options, Progress& progress, int threads)
-    : folder_(folder), options_(options), progress_(progress), threads_(threads), armadillo_(armadillo_of(options)) {}
+std::vector<std::string> armadillo_settings_of(const Options& options) {
+  bool has_mesh = false;
+  for (const std::string& setting : options.settings) {
+    const std::string key = parse_override(setting).key;
+    has_mesh = has_mesh || key == "body.armadillo.mesh";
+    if (key != "body.armadillo.mesh" && key != "body.armadillo.unit" && key != "body.armadillo.up")
+      throw Error(ExitCode::usage, {.where = "--set " + setting,
+                                    .what = "umax reproduce takes body.armadillo.mesh, .unit and .up only",
+                                    .remedy = "the experiments are the paper's; run others with umax run"});
+  }
+  return has_mesh ? options.settings : std::vector<std::string>();
+}
+
+Workbench::Workbench(ReportFolder& folder, const Options& options, std::vector<std::string> armadillo,
+                     Progress& progress, int threads)
+    : folder_(folder), options_(options), progress_(progress), threads_(threads), armadillo_(std::move(armadillo)) {}
 
 Run Workbench::simulate(const std::string& name, const std::string& scene, const std::vector<std::string>& settings) {
   std::vector<Override> overrides;
@@ -62,6 +62,7 @@ Run Workbench::simulate(const std::string& name, const std::string& scene, const
     progress_.note("run " + name);
     Job job;
     job.scene = run.simulation->scene;
+    job.simulation = run.simulation;
     job.folder = run.folder;
     job.existing = is_stale(*run.simulation, run.folder) ? ExistingFolder::overwrite : ExistingFolder::keep;
     job.pictures = false;

@@ -19,14 +19,14 @@ struct Interrupted {
   int signal = 0;
 };
 
-/// A simulated clip of one time step a frame. Frame 1 is the initial state, row i of `steps` leads to frame i + 2.
+/// A simulated clip. Frame 1 is the initial state.
 struct Run {
   std::shared_ptr<const Simulation> simulation;
   std::filesystem::path folder;
   StepsFound steps;
 
   int num_frames() const { return simulation->last_frame(); }
-  double time_of(int frame) const { return (frame - 1) * simulation->options.time_step; }  // [s]
+  double time_of(int frame) const { return (frame - 1) / simulation->scene.clip.fps; }  // [s]
   State state(int frame) const;
   /// A column of steps.csv, one value a step.
   const std::vector<double>& column(const std::string& name) const { return steps.columns.at(name); }
@@ -54,7 +54,9 @@ struct SheetSize {
 
 class Workbench {
  public:
-  Workbench(ReportFolder& folder, const Options& options, Progress& progress, int threads);
+  /// armadillo: see armadillo_settings_of().
+  Workbench(ReportFolder& folder, const Options& options, std::vector<std::string> armadillo, Progress& progress,
+            int threads);
 
   bool quick() const { return options_.quick; }
   ReportFolder& folder() { return folder_; }
@@ -80,6 +82,10 @@ class Workbench {
   int threads_;
   std::vector<std::string> armadillo_;  // settings that place it
 };
+
+/// What --set says of the armadillo's file; none when it gives no file. Throws Error (usage) for other keys: everything
+/// else the paper prescribes.
+std::vector<std::string> armadillo_settings_of(const Options& options);
 
 /// A run's frame with the camera, lights and sky of its scene.
 Tile tile_of(const Run& run, int frame, const std::string& label);
