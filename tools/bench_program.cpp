@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "render/flip.h"
 #include "render/image_io.h"
 #include "tools/bench.h"
+#include "tools/reproduce/experiments.h"
 
 namespace umax {
 namespace {
@@ -102,6 +104,41 @@ BenchRows ten_thousand() {
   return {at_most("figure, 10 k hexes: peak memory", outcome.peak_gib, 1, "GiB")};
 }
 
+std::vector<std::string> reproduce(const std::filesystem::path& report) {
+  std::vector<std::string> command{program(), "reproduce", "--quiet", "-o", report};
+  if (!model_path("").empty()) {
+    command.push_back("--set");
+    command.push_back("body.armadillo.mesh=" + model_path("armadillo.obj"));
+  }
+  return command;
+}
+
+BenchRows quick_report() {
+  const ScratchFolder scratch;
+  std::vector<std::string> command = reproduce(scratch.path / "report");
+  command.push_back("--quick");
+  return {at_most("umax reproduce --quick: the paper's experiments", run(command).seconds / 60, 5, "min")};
+}
+
+// one experiment after the other into one report, as a user might
+BenchRows whole_report() {
+  const ScratchFolder scratch;
+  BenchRows rows;
+  double sum = 0, longest = 0;
+  std::string slowest;
+  for (const Experiment& experiment : experiments()) {
+    std::vector<std::string> command = reproduce(scratch.path / "report");
+    command.insert(command.begin() + 2, experiment.name);
+    if (sum > 0) command.push_back("--resume");
+    const double minutes = run(command).seconds / 60;
+    sum += minutes;
+    if (minutes > longest) slowest = experiment.name;
+    longest = std::max(longest, minutes);
+  }
+  return {at_most("umax reproduce NAME: the longest", longest, 10, "min", slowest),
+          at_most("umax reproduce, all names", sum, 40, "min")};
+}
+
 // a build from nothing; the source folder is told by tools/bench
 BenchRows clean_build() {
   const char* source = std::getenv("UMAX_SOURCE");
@@ -122,6 +159,8 @@ std::vector<Benchmark> program_benchmarks() {
       {"100k", false, false, large_beam},
       {"demo", false, false, demo},
       {"noise", true, false, noise},
+      {"reproduce-quick", false, false, quick_report},
+      {"reproduce", true, false, whole_report},
       {"build", true, false, clean_build},
   };
 }
