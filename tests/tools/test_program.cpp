@@ -23,10 +23,10 @@ TEST_CASE("wrong usage exits with 2 and says what is meant") {
   const TemporaryFolder folder;
   const Words words = GENERATE(Words{}, Words{"simulat", "beam"}, Words{"run"}, Words{"run", "beam", "sphere"},
                                Words{"run", "beam", "--thread", "2"}, Words{"run", "beam", "--threads", "0"},
-                               Words{"simulate", "beam", "--frames", "5-1"}, Words{"reproduce"}, Words{"tune", "beam"},
-                               Words{"fit"}, Words{"export", "x"}, Words{"compare", "one.png"}, Words{"scenes", "beam"},
-                               Words{"run", "beam", "--set", "novalue"}, Words{"run", "beam", "--size", "wide"},
-                               Words{"help", "nothing"});
+                               Words{"simulate", "beam", "--frames", "5-1"}, Words{"reproduce", "figure7"},
+                               Words{"tune", "beam"}, Words{"fit"}, Words{"export", "x"}, Words{"compare", "one.png"},
+                               Words{"scenes", "beam"}, Words{"run", "beam", "--set", "novalue"},
+                               Words{"run", "beam", "--size", "wide"}, Words{"help", "nothing"});
   CAPTURE(words);
   const ProcessResult result = umax_program(words);
   CHECK(result.exit_code == 2);
