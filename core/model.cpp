@@ -28,6 +28,7 @@ HexShape shape_of(const Body& body, Eigen::Index hex, const Matrix8x3d& nodes) {
 // equal cells of a regular lattice share one shape; an irregular hex has its own
 void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
   const bool regular = body.lattice.is_regular();
+  model.shapes.reserve(model.shapes.size() + std::size_t(regular ? 1 : body.lattice.num_hexes()));
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
     if (!regular || e == 0) {
       Matrix8x3d nodes = rest_nodes(body.lattice, e);

@@ -4,11 +4,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "embedding/cell_table.h"
+#include "embedding/hex_faces.h"
+#include "embedding/hex_search.h"
 
 namespace umax {
 namespace {
@@ -23,9 +30,20 @@ void parallel_blocks(Eigen::Index size, Body body) {
 
 // hex of every point, and its coordinates there; hex -1: outside
 void locate(const Points& points, const Lattice& lattice, VectorXi& hex, Points& local) {
-  const CellTable table(lattice.cells);
   hex.resize(points.rows());
   local.resize(points.rows(), 3);
+  if (!lattice.is_regular()) {
+    const HexSearch search(lattice);
+    parallel_blocks(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+      for (Eigen::Index p = first; p < last; ++p) {
+        Vector3d s(0, 0, 0);
+        hex[p] = search.find(points.row(p), s);
+        local.row(p) = s.transpose();
+      }
+    });
+    return;
+  }
+  const CellTable table(lattice.cells);
   parallel_blocks(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index p = first; p < last; ++p) {
       const Vector3d s = (points.row(p).transpose() - lattice.origin).cwiseQuotient(lattice.cell_size);
@@ -35,16 +53,45 @@ void locate(const Points& points, const Lattice& lattice, VectorXi& hex, Points&
   });
 }
 
+// how far a point is from a triangle's plane region, edges and corners [m]
+double distance_to_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d normal = (b - a).cross(c - a);
+  double nearest = std::numeric_limits<double>::infinity();
+  bool above = normal.squaredNorm() > 0;
+  for (const auto& [start, end] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+    const Vector3d edge = end - start;
+    const double t = std::clamp((p - start).dot(edge) / std::max(edge.squaredNorm(), 1e-300), 0.0, 1.0);
+    nearest = std::min(nearest, (start + t * edge - p).norm());
+    above &= normal.dot(edge.cross(p - start)) >= 0;
+  }
+  return above ? std::min(nearest, std::abs(normal.dot(p - a)) / normal.norm()) : nearest;
+}
+
+double distance_to_surface(const Vector3d& point, const TriangleMesh& mesh) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& t : mesh.triangles.rowwise())
+    nearest = std::min(nearest, distance_to_triangle(point, mesh.positions.row(t[0]), mesh.positions.row(t[1]),
+                                                     mesh.positions.row(t[2])));
+  return nearest;
+}
+
 void require_inside(const Points& points, const Lattice& lattice, const VectorXi& hex, const char* what) {
   const auto outside = std::find(hex.begin(), hex.end(), -1);
   if (outside == hex.end()) return;
   const Eigen::Index p = outside - hex.begin();
   const Vector3d low = lattice.rest_positions.colwise().minCoeff(), high = lattice.rest_positions.colwise().maxCoeff();
-  throw Error(ExitCode::bad_data,
-              {fmt::format("{} {}", what, p), "lies outside the cage",
-               fmt::format("({:g}, {:g}, {:g})", points(p, 0), points(p, 1), points(p, 2)),
-               fmt::format("the cage spans ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}); give a point in one of its cells",
-                           low[0], low[1], low[2], high[0], high[1], high[2])});
+  std::string value = fmt::format("({:g}, {:g}, {:g})", points(p, 0), points(p, 1), points(p, 2));
+  std::string remedy = "give a point in one of its cells";
+  if (!lattice.is_regular()) {
+    const TriangleMesh surface = surface_of(lattice.rest_positions, lattice.hexes).mesh;
+    const auto more = std::count(outside + 1, hex.end(), -1);
+    value += fmt::format(", {:.4g} m from its nearest face", distance_to_surface(points.row(p), surface));
+    if (more > 0) value += fmt::format(" (and {} more)", more);
+    remedy = "give hexes that hold it";
+  }
+  throw Error(ExitCode::bad_data, {fmt::format("{} {}", what, p), "lies outside the cage", value,
+                                   fmt::format("the cage spans ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}); {}", low[0],
+                                               low[1], low[2], high[0], high[1], high[2], remedy)});
 }
 
 void trilinear_weights(const double* s, double* weights) {
@@ -60,12 +107,6 @@ EmbeddedPoints weighted(const VectorXi& hex, const Points& local) {
     for (Eigen::Index p = first; p < last; ++p) trilinear_weights(local.data() + 3 * p, points.weights.data() + 8 * p);
   });
   return points;
-}
-
-void require_regular(const Lattice& lattice) {
-  if (lattice.cells.rows() == lattice.num_hexes() && (lattice.cell_size.array() > 0).all()) return;
-  throw Error(ExitCode::bad_data,
-              {"cage", "must be a regular lattice to hold a surface", "", "make it with voxelize()"});
 }
 
 // x(s) = c0 + c1 s1 + c2 s2 + c3 s3 + c4 s1 s2 + c5 s2 s3 + c6 s1 s3 + c7 s1 s2 s3
@@ -104,7 +145,6 @@ void deform_positions(const Embedding& embedding, const std::vector<Polynomial>&
 }  // namespace
 
 EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const char* what) {
-  require_regular(lattice);
   VectorXi hex;
   Points local;
   locate(points, lattice, hex, local);
@@ -113,7 +153,6 @@ EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const 
 }
 
 Embedding embed(const TriangleMesh& rest, const Lattice& lattice) {
-  require_regular(lattice);
   Embedding embedding;
   VectorXi hex;
   locate(rest.positions, lattice, hex, embedding.local);

@@ -20,8 +20,9 @@ struct Embedding {
   VertexFans fans;              // whose triangles make each vertex's normal
 };
 
-/// Where each point lies in a regular lattice; on a shared face the hex with the lowest index. Throws Error (bad_data)
-/// that names the first point outside the cage. `what` names the points in that message.
+/// Where each point lies in a lattice, regular or not; on a shared face the hex with the lowest index. Throws Error
+/// (bad_data) that names the first point outside the cage (and, of an irregular one, how far). `what` names the points
+/// in that message.
 EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const char* what = "point");
 
 /// Ties a mesh at rest to the lattice. Throws as embed_points() does.

@@ -18,6 +18,19 @@ MeshFile read_with_assimp(const std::filesystem::path& path, const std::string& 
 /// Returns the number of vertices that the file says it has, or -1 where the format does not say.
 long long check_promised_size(const std::filesystem::path& path, const std::string& ending);
 
+/// Throws Error: not_found (missing, a folder, not readable), bad_data (empty).
+void require_readable_file(const std::filesystem::path& path);
+
+/// "obj" of "a/b.OBJ".
+std::string lower_ending(const std::filesystem::path& path);
+
+/// All bytes of the file.
+std::string read_whole_file(const std::filesystem::path& path);
+
+/// Throw Error (bad_data) for coordinates that are not finite, beyond 1e9, or all in one point.
+void require_finite(const std::filesystem::path& path, const Points& positions);
+void require_sensible_box(const std::filesystem::path& path, const Points& positions);
+
 /// sRGB-encoded [0, 1] to linear.
 double linear_from_srgb(double encoded);
 

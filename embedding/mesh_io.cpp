@@ -6,16 +6,49 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
+#include "embedding/hex_faces.h"
+#include "embedding/hex_mesh_io.h"
 #include "embedding/mesh_formats.h"
 
 namespace umax {
 namespace {
 
-constexpr std::array<const char*, 8> known_endings{"obj", "ply", "stl", "off", "gltf", "glb", "fbx", "dae"};
+constexpr std::array<const char*, 11> known_endings{"obj", "ply", "stl", "off", "gltf", "glb",
+                                                    "fbx", "dae", "msh", "vtk", "vtu"};
 constexpr double largest_coordinate = 1e9;
+
+void require_triangles(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  if (mesh.num_vertices() == 0) refuse_mesh(path, "the mesh has no vertices", "0", "export the mesh again");
+  if (mesh.num_triangles() == 0)
+    refuse_mesh(path, "the mesh has no triangles", fmt::format("{} vertices", mesh.num_vertices()),
+                "export it with its faces");
+  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t)
+    if (mesh.triangles.row(t).minCoeff() < 0 || mesh.triangles.row(t).maxCoeff() >= mesh.num_vertices())
+      refuse_mesh(path, fmt::format("triangle {} names a vertex that does not exist", t),
+                  fmt::format("{} of {} vertices", mesh.triangles.row(t).maxCoeff(), mesh.num_vertices()),
+                  "the file is damaged: export it again");
+}
+
+MeshFile surface_of_hexes(const std::filesystem::path& path) {
+  HexMesh hexes = load_hex_mesh(path);
+  MeshFile file;
+  file.mesh = surface_of(hexes.nodes, hexes.hexes).mesh;
+  file.notes = std::move(hexes.notes);
+  file.num_parts = 1;
+  return file;
+}
+
+}  // namespace
+
+void refuse_mesh(const std::filesystem::path& path, const std::string& what, const std::string& value,
+                 const std::string& remedy) {
+  throw Error(ExitCode::bad_data, {path.string(), what, value, remedy});
+}
 
 std::string lower_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -34,6 +67,13 @@ void require_readable_file(const std::filesystem::path& path) {
   if (!std::ifstream(path, std::ios::binary)) refuse_input("the mesh file cannot be read", "check its permissions");
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) == 0)
     refuse_mesh(path, "the mesh file is empty", "0 bytes", "export the mesh again");
+}
+
+std::string read_whole_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (in.bad()) refuse_mesh(path, "could not be read to its end", "", "check the disk");
+  return text;
 }
 
 void require_finite(const std::filesystem::path& path, const Points& positions) {
@@ -60,25 +100,6 @@ void require_sensible_box(const std::filesystem::path& path, const Points& posit
                 "give a mesh with an extent");
 }
 
-void require_triangles(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  if (mesh.num_vertices() == 0) refuse_mesh(path, "the mesh has no vertices", "0", "export the mesh again");
-  if (mesh.num_triangles() == 0)
-    refuse_mesh(path, "the mesh has no triangles", fmt::format("{} vertices", mesh.num_vertices()),
-                "export it with its faces");
-  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t)
-    if (mesh.triangles.row(t).minCoeff() < 0 || mesh.triangles.row(t).maxCoeff() >= mesh.num_vertices())
-      refuse_mesh(path, fmt::format("triangle {} names a vertex that does not exist", t),
-                  fmt::format("{} of {} vertices", mesh.triangles.row(t).maxCoeff(), mesh.num_vertices()),
-                  "the file is damaged: export it again");
-}
-
-}  // namespace
-
-void refuse_mesh(const std::filesystem::path& path, const std::string& what, const std::string& value,
-                 const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {path.string(), what, value, remedy});
-}
-
 double linear_from_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
@@ -89,6 +110,7 @@ std::string known_mesh_formats() {
 
 MeshFile load_mesh(const std::filesystem::path& path) {
   require_readable_file(path);
+  if (is_hex_mesh_file(path)) return surface_of_hexes(path);
   const std::string ending = lower_ending(path);
   if (std::find(known_endings.begin(), known_endings.end(), ending) == known_endings.end())
     refuse_mesh(path, "unknown mesh format", fmt::format("\"{}\"", ending), "known are " + known_mesh_formats());

@@ -1,4 +1,4 @@
-// Meshes from files: OBJ, PLY, STL, OFF, glTF, FBX and COLLADA.
+// Meshes from files: OBJ, PLY, STL, OFF, glTF, FBX and COLLADA; and the surface of meshes of hexes (hex_mesh_io.h).
 #pragma once
 
 #include <filesystem>

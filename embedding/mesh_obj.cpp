@@ -5,7 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <string_view>
 
@@ -15,13 +14,6 @@ namespace umax {
 namespace {
 
 using Path = std::filesystem::path;
-
-std::string read_text(const Path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) refuse_mesh(path, "could not be read to its end", "", "check the disk");
-  return text;
-}
 
 std::vector<std::string_view> words(std::string_view line) {
   std::vector<std::string_view> result;
@@ -150,7 +142,7 @@ Path find_texture(const Path& path, const std::vector<tinyobj::material_t>& mate
 }  // namespace
 
 MeshFile read_obj(const Path& path) {
-  check_lines(path, read_text(path));
+  check_lines(path, read_whole_file(path));
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;

@@ -42,30 +42,36 @@ double box_height(const Points& positions) {
 
 }  // namespace
 
-void place(TriangleMesh& mesh, const Placement& placement) {
+void place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
   if (mesh.num_vertices() == 0) return;
-  if (placement.unit)
-    mesh.positions *= positive("unit", "give the length of one file unit, such as \"cm\"", *placement.unit);
+  const auto scale_by = [&](double factor) {
+    mesh.positions *= factor;
+    if (riders) *riders *= factor;
+  };
+  if (placement.unit) scale_by(positive("unit", "give the length of one file unit, such as \"cm\"", *placement.unit));
   if (!placement.rotation_degrees.allFinite()) refuse("rotation", "must be three finite angles", "", "give degrees");
 
   const Matrix3d turn = rotation_from_degrees(placement.rotation_degrees) * y_up_from(placement.up.value_or("y"));
   if (turn != Matrix3d::Identity()) {
     mesh.positions = (mesh.positions * turn.transpose()).eval();
     if (mesh.normals.rows() > 0) mesh.normals = (mesh.normals * turn.transpose()).eval();
+    if (riders) *riders = (*riders * turn.transpose()).eval();
   }
 
   if (placement.height) {
     const double wanted = positive("height", "give a height such as \"2 m\"", *placement.height);
     const double height = box_height(mesh.positions);
     if (!(height > 0)) refuse("height", "cannot be reached: the placed mesh is flat", "0 m", "give a scale instead");
-    mesh.positions *= wanted / height;
+    scale_by(wanted / height);
   } else if (placement.scale) {
-    mesh.positions *= positive("scale", "give a factor such as 0.5", *placement.scale);
+    scale_by(positive("scale", "give a factor such as 0.5", *placement.scale));
   }
 
   if (placement.position) {
     const Eigen::RowVector3d centre = 0.5 * (mesh.positions.colwise().minCoeff() + mesh.positions.colwise().maxCoeff());
-    mesh.positions.rowwise() += placement.position->transpose() - centre;
+    const Eigen::RowVector3d by = placement.position->transpose() - centre;
+    mesh.positions.rowwise() += by;
+    if (riders) riders->rowwise() += by;
   }
 }
 

@@ -19,7 +19,7 @@ struct Placement {
 
 /// Applies, in this order: unit, up axis to +Y, rotation, height or scale (about the world's origin), position. Turns
 /// normals along. Throws Error (bad_data) for values that are not positive, an unknown axis, or a height for a mesh
-/// that is flat.
-void place(TriangleMesh& mesh, const Placement& placement);
+/// that is flat. riders, when given, move along: points in the mesh's own units and axes.
+void place(TriangleMesh& mesh, const Placement& placement, Points* riders = nullptr);
 
 }  // namespace umax

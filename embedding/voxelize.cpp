@@ -10,6 +10,7 @@
 #include "embedding/cage_cells.h"
 #include "embedding/cell_table.h"
 #include "embedding/filled_fraction.h"
+#include "embedding/hex_faces.h"
 #include "embedding/topology.h"
 
 namespace umax {
@@ -217,10 +218,14 @@ int count_sets(DisjointSets& sets, Eigen::Index size) {
   return roots;
 }
 
-void report_connections(const Lattice& lattice, CageReport& report) {
-  DisjointSets nodes(std::size_t(lattice.num_nodes())), hexes(std::size_t(lattice.num_hexes()));
-  for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
-    for (int n = 1; n < 8; ++n) nodes.merge(lattice.hexes(e, 0), lattice.hexes(e, n));
+// merges hexes that share a face
+void merge_neighbours(const Lattice& lattice, DisjointSets& hexes) {
+  if (!lattice.is_regular()) {
+    for_each_face(hex_faces(lattice.hexes), [&](auto first, auto last) {
+      for (auto face = first + 1; face < last; ++face) hexes.merge(first->hex, face->hex);
+    });
+    return;
+  }
   const CellTable table(lattice.cells);
   for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
     for (int axis = 0; axis < 3; ++axis) {
@@ -228,13 +233,20 @@ void report_connections(const Lattice& lattice, CageReport& report) {
       ++next[axis];
       if (const int other = table.find(next[0], next[1], next[2]); other >= 0) hexes.merge(int(e), other);
     }
+}
+
+}  // namespace
+
+void report_connections(const Lattice& lattice, CageReport& report) {
+  DisjointSets nodes(std::size_t(lattice.num_nodes())), hexes(std::size_t(lattice.num_hexes()));
+  for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
+    for (int n = 1; n < 8; ++n) nodes.merge(lattice.hexes(e, 0), lattice.hexes(e, n));
+  merge_neighbours(lattice, hexes);
   report.num_islands = count_sets(nodes, lattice.num_nodes());
   report.num_loose_parts = count_sets(hexes, lattice.num_hexes());
   if (report.num_islands > 1)
     report.notes.push_back(fmt::format("the cage falls into {} parts that share no node", report.num_islands));
 }
-
-}  // namespace
 
 Lattice voxelize(const TriangleMesh& mesh, const CageOptions& options, CageReport* report) {
   Shape shape = measure(mesh);

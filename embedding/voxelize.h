@@ -28,6 +28,9 @@ struct CageReport {
   int num_loose_parts = 0;         // parts that share no face (hinged parts count apart)
 };
 
+/// Counts the islands and loose parts of a cage, regular or not, and notes where there are several.
+void report_connections(const Lattice& lattice, CageReport& report);
+
 /// Throws Error (bad_data) for an empty mesh, sizes that are not positive, and more than max_cells cells.
 Lattice voxelize(const TriangleMesh& mesh, const CageOptions& options, CageReport* report = nullptr);
 

@@ -3,13 +3,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include "core/error.h"
+#include "embedding/compression.h"
 #include "render/write_file.h"
 #include "tools/subprocess.h"
 
@@ -44,8 +44,7 @@ void check_png_bytes(const fs::path& path, std::string_view bytes, int width, in
     const std::size_t length = big_endian(bytes);
     if (length > bytes.size() - 12) break;
     const std::string_view type = bytes.substr(4, 4), checked = bytes.substr(4, length + 4);
-    const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(checked.data()), uInt(checked.size()));
-    if (checksum != big_endian(bytes.substr(length + 8))) fail_png(path, "is damaged: a checksum does not fit");
+    if (crc32_of(checked) != big_endian(bytes.substr(length + 8))) fail_png(path, "is damaged: a checksum does not fit");
     if (type == "IEND") return;
     bytes.remove_prefix(length + 12);
   }
