@@ -1,6 +1,7 @@
 // Scene keys of [body.NAME].
 #include <fmt/format.h>
 
+#include "embedding/hex_mesh_io.h"
 #include "scenes/mesh_keys.h"
 
 namespace umax {
@@ -85,7 +86,17 @@ void add_placement_keys(Keys& keys) {
            "at the start, about the world's axes through the centre of mass");
 }
 
+// the hexes of the body's own file are its cage: there is none to choose
+void require_no_own_hexes(const SceneValue& value, const BodyDescription& body) {
+  if (body.brings_its_hexes())
+    throw value_error(value,
+                      "does not fit here: the hexes of " + std::get<MeshSource>(body.source).path.filename().string() +
+                          " are the cage",
+                      "remove it");
+}
+
 void set_cells(const SceneValue& value, BodyDescription& body) {
+  require_no_own_hexes(value, body);
   const auto* array = value.as<SceneValue::Array>();
   const IntegerKind count{.low = 1, .high = most_cells};
   if (!array) {
@@ -101,29 +112,71 @@ void set_cells(const SceneValue& value, BodyDescription& body) {
 }
 
 std::optional<std::string> get_cells(const BodyDescription& body) {
+  if (body.brings_its_hexes()) return std::nullopt;
   if (const int* count = std::get_if<int>(&body.cage.size)) return std::to_string(*count);
   const auto* grid = std::get_if<Vector3i>(&body.cage.size);
   if (!grid) return std::nullopt;
   return fmt::format("[{}, {}, {}]", (*grid)[0], (*grid)[1], (*grid)[2]);
 }
 
+void set_cage_mesh(const SceneValue& value, BodyDescription& body) {
+  require_no_own_hexes(value, body);
+  MeshSource cage;
+  read_mesh_path(value, cage);
+  if (!is_hex_mesh_file(cage.path))
+    throw value_error(value, "is no mesh of hexes by its name", "give a .msh, .vtk or .vtu file");
+  body.cage.size = cage;
+}
+
+template <class Keys>
+void add_cage_mesh_keys(Keys& keys, const std::string& group) {
+  const auto file_of = [](const BodyDescription& body) { return std::get_if<MeshSource>(&body.cage.size); };
+  keys.add_custom("cage.mesh", PathKind().type(),
+                  "file of the hexes that hold the surface: .msh, .vtk, .vtu; in its units and axes, placed along",
+                  {.unset = "none", .group = group, .resets = {"cage.clip", "cage.mesh_sha256"}}, set_cage_mesh,
+                  [file_of](const BodyDescription& body) -> std::optional<std::string> {
+                    const MeshSource* file = file_of(body);
+                    return file ? std::optional(PathKind().write(file->path)) : std::nullopt;
+                  });
+  keys.add_custom(
+      "cage.mesh_sha256", "text", "SHA-256 of the file of hexes; another file is refused", {.unset = "not checked"},
+      [file_of](const SceneValue& value, BodyDescription& body) {
+        const MeshSource* file = file_of(body);
+        if (!file) throw value_error(value, "does not fit here", "it belongs to cage.mesh = \"PATH\"");
+        check_mesh_sha256(value, *file);
+      },
+      [file_of](const BodyDescription& body) -> std::optional<std::string> {
+        const MeshSource* file = file_of(body);
+        return file ? std::optional(toml_string(file->sha256)) : std::nullopt;
+      });
+}
+
 template <class Keys>
 void add_cage_keys(Keys& keys) {
+  const std::string group = "cage.cells, cage.cell_size or cage.mesh";
   keys.add_custom("cage.cells", "integer, 1 … 5000000, or [nx, ny, nz]",
                   "wanted number of hexes (the nearest possible is taken), or the grid over the bounding box",
-                  {.group = "cage.cells or cage.cell_size"}, set_cells, get_cells);
+                  {.group = group}, set_cells, get_cells);
   const NumberKind edge{units::length, positive_length};
   keys.add_custom(
-      "cage.cell_size", edge.type(), "edge of a hex",
-      {.unset = "from cage.cells", .group = "cage.cells or cage.cell_size"},
-      [edge](const SceneValue& value, BodyDescription& body) { body.cage.size = edge.read(value); },
+      "cage.cell_size", edge.type(), "edge of a hex", {.unset = "from cage.cells", .group = group},
+      [edge](const SceneValue& value, BodyDescription& body) {
+        require_no_own_hexes(value, body);
+        body.cage.size = edge.read(value);
+      },
       [edge](const BodyDescription& body) -> std::optional<std::string> {
         const double* size = std::get_if<double>(&body.cage.size);
         return size ? std::optional(edge.write(*size)) : std::nullopt;
       });
+  add_cage_mesh_keys(keys, group);
   using Clip = CageDescription::Clip;
-  keys.add("cage.clip", ChoiceKind<Clip>{{{"filled", Clip::filled}, {"box", Clip::box}}}, UMAX_FIELD(cage.clip),
-           "filled: hexes that touch the solid; box: the whole grid");
+  const auto clip = [](auto& body) {
+    const bool has_cells = !body.brings_its_hexes() && !std::holds_alternative<MeshSource>(body.cage.size);
+    return has_cells ? &body.cage.clip : nullptr;
+  };
+  keys.add("cage.clip", ChoiceKind<Clip>{{{"filled", Clip::filled}, {"box", Clip::box}}}, clip,
+           "filled: hexes that touch the solid; box: the whole grid",
+           {.belongs_to = "cage.cells and cage.cell_size; the hexes of a file are the whole cage"});
 }
 
 template <class Keys>
@@ -211,6 +264,11 @@ std::optional<std::string> get_fixed(const BodyDescription& body) {
 }
 
 }  // namespace
+
+bool BodyDescription::brings_its_hexes() const {
+  const auto* mesh = std::get_if<MeshSource>(&source);
+  return mesh && is_hex_mesh_file(mesh->path);
+}
 
 SceneSection body_section() {
   SceneSection section{.name = "body", .meaning = "a soft body"};

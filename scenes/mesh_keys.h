@@ -53,8 +53,9 @@ void add_mesh_keys(Builder& keys, MeshOf mesh_of, BecomeMesh become_mesh, const 
     const auto* mesh = mesh_of(thing);
     return mesh ? std::optional(PathKind().write(mesh->path)) : std::nullopt;
   };
-  keys.add_custom("mesh", "path", "file of the surface: OBJ, PLY, STL, OFF, glTF, FBX, COLLADA", traits, set_path,
-                  get_path);
+  keys.add_custom("mesh", "path",
+                  "file of the surface: OBJ, PLY, STL, OFF, glTF, FBX, COLLADA; or of hexes: Gmsh .msh, VTK .vtk, .vtu",
+                  traits, set_path, get_path);
 
   const auto set_hash = [mesh_of](const SceneValue& value, auto& thing) {
     const auto* mesh = mesh_of(thing);

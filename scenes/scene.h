@@ -40,9 +40,11 @@ struct FigureShape {};  // the built-in character, 2 m tall unless height is giv
 using BodySource = std::variant<MeshSource, BoxShape, SphereShape, CylinderShape, FigureShape>;
 
 struct CageDescription {
-  enum class Clip { filled, box };                 // cells that touch the solid, or the whole grid
-  std::variant<int, Vector3i, double> size = 365;  // wanted number of cells, grid of the bounding box, or cell edge [m]
-  Clip clip = Clip::filled;
+  enum class Clip { filled, box };  // cells that touch the solid, or the whole grid
+  // wanted number of cells, grid of the bounding box, cell edge [m]; or a file of hexes in the body's own units and
+  // axes
+  std::variant<int, Vector3i, double, MeshSource> size = 365;
+  Clip clip = Clip::filled;  // of cells
 };
 
 struct FixedBox {
@@ -66,6 +68,9 @@ struct BodyDescription {
   std::vector<FixedBox> fixed;
   Look look;                           // texture is loaded by the program from texture_path
   std::filesystem::path texture_path;  // empty: the mesh file's own colour texture, if any
+
+  /// Whether the mesh is a file of hexes, which are then the cage.
+  bool brings_its_hexes() const;
 };
 
 struct ObstacleDescription {

@@ -128,6 +128,11 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   body.limit = {.kind = LimitKind::hard,
                 .unit = LimitUnit::stretch,
                 .value = options.stretch ? parse_stretch(*options.stretch) : 0.2};
+  if (options.cells && body.brings_its_hexes())
+    throw Error(ExitCode::usage,
+                {.where = "--cells",
+                 .what = "does not fit here: the hexes of " + path.filename().string() + " are the cage",
+                 .remedy = "leave it out"});
   if (options.cells) body.cage.size = *options.cells;
 
   Scene scene;

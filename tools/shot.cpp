@@ -1,10 +1,11 @@
 #include "tools/shot.h"
 
 #include <algorithm>
-#include <array>
-#include <map>
 #include <numbers>
+#include <utility>
+#include <vector>
 
+#include "embedding/hex_faces.h"
 #include "embedding/shapes.h"
 #include "render/colormap.h"
 #include "render/image_io.h"
@@ -12,26 +13,11 @@
 namespace umax {
 namespace {
 
-/// Corners of a hex's six faces, in an order around each face (local node order: core/hexahedron.h).
-constexpr std::array<std::array<int, 4>, 6> hex_faces{
-    {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
-
 /// Edges of the faces that belong to one hex only, each once.
 std::vector<std::pair<int, int>> outer_edges(const Hexes& hexes) {
-  std::map<std::array<int, 4>, std::pair<int, std::array<int, 4>>> faces;  // sorted corners: count, corners around
-  for (const auto& hex : hexes.rowwise())
-    for (const auto& face : hex_faces) {
-      const std::array<int, 4> around{hex[face[0]], hex[face[1]], hex[face[2]], hex[face[3]]};
-      std::array<int, 4> key = around;
-      std::sort(key.begin(), key.end());
-      auto& entry = faces[key];
-      ++entry.first;
-      entry.second = around;
-    }
   std::vector<std::pair<int, int>> edges;
-  for (const auto& [key, entry] : faces)
-    for (std::size_t i = 0; entry.first == 1 && i < 4; ++i)
-      edges.push_back(std::minmax({entry.second[i], entry.second[(i + 1) % 4]}));
+  for (const HexFace& face : boundary_faces(hexes))
+    for (std::size_t i = 0; i < 4; ++i) edges.push_back(std::minmax({face.corners[i], face.corners[(i + 1) % 4]}));
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
@@ -53,13 +39,25 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
   return out;
 }
 
-/// Heat-map colours of a body's vertices: each shows the U/U_max of its hex, unsmoothed, so that a limit that is
-/// reached looks like one.
-Points heat_colors(const BodySetup& body, const VectorXd& ratios) {
+/// U/U_max at a body's vertices: of the hex that holds it, unsmoothed, so that a limit that is reached looks like one;
+/// of a vertex that is a node, the largest of its hexes.
+VectorXd heat(const BodySetup& body, const VectorXd& ratios) {
   const VectorXi& hex = body.embedding.points.hex;
-  Points colors(hex.size(), 3);
-  for (Eigen::Index p = 0; p < hex.size(); ++p)
-    colors.row(p) = color_of_value(ratios[body.first_hex + hex[p]]).cast<double>().transpose();
+  VectorXd values(hex.size());
+  for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = ratios[body.first_hex + hex[p]];
+  if (!body.shape.hexes || !body.shape.hexes->are_the_body()) return values;
+  VectorXd of_nodes = VectorXd::Zero(body.lattice.num_nodes());
+  for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e)
+    for (const int node : body.lattice.hexes.row(e))
+      of_nodes[node] = std::max(of_nodes[node], ratios[body.first_hex + e]);
+  for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = of_nodes[body.shape.hexes->surface_nodes[std::size_t(p)]];
+  return values;
+}
+
+Points heat_colors(const BodySetup& body, const VectorXd& ratios) {
+  const VectorXd values = heat(body, ratios);
+  Points colors(values.size(), 3);
+  for (Eigen::Index p = 0; p < values.size(); ++p) colors.row(p) = color_of_value(values[p]).cast<double>().transpose();
   return colors;
 }
 

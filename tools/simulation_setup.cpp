@@ -10,6 +10,8 @@
 #include "core/error.h"
 #include "embedding/distance_grid.h"
 #include "embedding/figure.h"
+#include "embedding/hex_cage.h"
+#include "embedding/hex_faces.h"
 #include "embedding/mesh_io.h"
 #include "embedding/placement.h"
 #include "embedding/shapes.h"
@@ -30,7 +32,22 @@ auto named(const std::string& thing, Work work) {
   }
 }
 
+PlacedMesh read_hexes(const std::filesystem::path& path) {
+  HexMesh hexes = load_hex_mesh(path);
+  HexSurface surface = surface_of(hexes.nodes, hexes.hexes);
+  std::vector<std::string> notes = hexes.notes;
+  return {.mesh = std::move(surface.mesh),
+          .texture = {},
+          .notes = std::move(notes),
+          .hexes = PlacedHexes{std::move(hexes), std::move(surface.nodes)}};
+}
+
 PlacedMesh read_shape(const MeshSource& source, Placement& placement) {
+  if (is_hex_mesh_file(source.path)) {
+    placement.unit = source.unit;
+    placement.up = source.up;
+    return read_hexes(source.path);
+  }
   MeshFile file = load_mesh(source.path);
   placement.unit = source.unit ? source.unit : file.unit;
   placement.up = source.up ? source.up : file.up;
@@ -56,8 +73,23 @@ Vector3d highest(const TriangleMesh& mesh) {
   return mesh.positions.colwise().maxCoeff().transpose();
 }
 
+/// Reads cage.mesh. Its notes become the shape's.
+void read_cage_mesh(const MeshSource& source, PlacedMesh& shape) {
+  shape.hexes = PlacedHexes{load_hex_mesh(source.path), {}};
+  shape.notes.insert(shape.notes.end(), shape.hexes->mesh.notes.begin(), shape.hexes->mesh.notes.end());
+}
+
+/// Vertices that are nodes stand where their nodes stand, to the last bit.
+void tie_to_nodes(PlacedMesh& shape) {
+  if (!shape.hexes) return;
+  const std::vector<int>& nodes = shape.hexes->surface_nodes;
+  for (std::size_t v = 0; v < nodes.size(); ++v)
+    shape.mesh.positions.row(Eigen::Index(v)) = shape.hexes->mesh.nodes.row(nodes[v]);
+}
+
 /// Moves the mesh up or down until its lowest point is drop_height above the highest obstacle below it.
-void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacles, TriangleMesh& mesh) {
+void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacles, PlacedMesh& shape) {
+  TriangleMesh& mesh = shape.mesh;
   double top = -std::numeric_limits<double>::infinity();
   for (const Obstacle& obstacle : obstacles)
     top = std::max(top, highest_point_below(obstacle, 0, lowest(mesh), highest(mesh)));
@@ -66,7 +98,10 @@ void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacle
                                      .what = "there is no obstacle below the body",
                                      .value = fmt::format("{} m", drop_height),
                                      .remedy = "add [obstacle.ground], or give position instead"});
-  mesh.positions.col(1).array() += top + drop_height - lowest(mesh).y();
+  const double by = top + drop_height - lowest(mesh).y();
+  mesh.positions.col(1).array() += by;
+  if (shape.hexes) shape.hexes->mesh.nodes.col(1).array() += by;
+  tie_to_nodes(shape);
 }
 
 std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattice& lattice) {
@@ -121,8 +156,11 @@ BodySetup cage_body(const BodyDescription& description, const std::vector<Obstac
                   .embedding = {},
                   .texture = {}};
   named("body." + description.name, [&] {
-    if (description.drop_height) apply_drop_height(*description.drop_height, obstacles, setup.shape.mesh);
-    setup.lattice = voxelize(setup.shape.mesh, cage_options(description.cage), &setup.cage);
+    if (description.drop_height) apply_drop_height(*description.drop_height, obstacles, setup.shape);
+    const PlacedMesh& shape = setup.shape;
+    setup.lattice = shape.hexes ? make_hex_cage(shape.mesh, shape.hexes->mesh.nodes, shape.hexes->mesh.hexes,
+                                                {.is_the_body = shape.hexes->are_the_body()}, &setup.cage)
+                                : voxelize(shape.mesh, cage_options(description.cage), &setup.cage);
     setup.embedding = embed(setup.shape.mesh, setup.lattice);
     return 0;
   });
@@ -140,6 +178,10 @@ Body make_body(const BodyDescription& description, const BodySetup& setup, bool 
   body.spin = description.spin_degrees * (EIGEN_PI / 180);
   body.fixed_nodes =
       named("body." + description.name, [&] { return nodes_in_boxes(description.fixed, setup.lattice); });
+  if (setup.shape.hexes) {
+    body.young_factor = setup.shape.hexes->mesh.young_factor;
+    body.limit_factor = setup.shape.hexes->mesh.limit_factor;
+  }
   body.surface = setup.embedding.points;
   body.surface_rest = setup.shape.mesh.positions;
   if (needs_distance)
@@ -203,14 +245,20 @@ PlacedMesh place_body(const BodyDescription& body) {
                         .rotation_degrees = body.rotation_degrees,
                         .position = body.position};
     PlacedMesh shape = std::visit([&](const auto& source) { return read_shape(source, placement); }, body.source);
-    place(shape.mesh, placement);
+    if (const auto* cage = std::get_if<MeshSource>(&body.cage.size)) read_cage_mesh(*cage, shape);
+    place(shape.mesh, placement, shape.hexes ? &shape.hexes->mesh.nodes : nullptr);
+    tie_to_nodes(shape);
     if (shape.mesh.normals.rows() == 0) compute_normals(shape.mesh);
     return shape;
   });
 }
 
 CageOptions cage_options(const CageDescription& cage) {
-  return {.size = cage.size, .whole_box = cage.clip == CageDescription::Clip::box};
+  CageOptions options{.whole_box = cage.clip == CageDescription::Clip::box};
+  if (const int* count = std::get_if<int>(&cage.size)) options.size = *count;
+  if (const Vector3i* grid = std::get_if<Vector3i>(&cage.size)) options.size = *grid;
+  if (const double* edge = std::get_if<double>(&cage.size)) options.size = *edge;
+  return options;
 }
 
 Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "embedding/embedding.h"
+#include "embedding/hex_mesh_io.h"
 #include "embedding/mesh_report.h"
 #include "embedding/voxelize.h"
 #include "render/image.h"
@@ -14,12 +16,20 @@
 
 namespace umax {
 
+/// Hexes from a file that are a body's cage, in world coordinates at time 0.
+struct PlacedHexes {
+  HexMesh mesh;                    // nodes in metres
+  std::vector<int> surface_nodes;  // #V node of every vertex of the body's surface; empty: the surface is another's
+  bool are_the_body() const { return !surface_nodes.empty(); }
+};
+
 /// A body's shape, before it has a cage.
 struct PlacedMesh {
-  TriangleMesh mesh;               // world coordinates at time 0 [m], with normals
-  std::filesystem::path texture;   // colour texture; may be empty
-  std::vector<std::string> notes;  // what the file's reader found
-  int num_parts = 1;               // objects in the file
+  TriangleMesh mesh;                                // world coordinates at time 0 [m], with normals
+  std::filesystem::path texture;                    // colour texture; may be empty
+  std::vector<std::string> notes;                   // what the file's reader found
+  int num_parts = 1;                                // objects in the file
+  std::optional<PlacedHexes> hexes = std::nullopt;  // of the mesh file or of cage.mesh
 };
 
 /// A body with what is needed to draw it. Its nodes and hexes are a range of the model's.
@@ -52,7 +62,7 @@ struct Simulation {
 /// Reads or makes the body's mesh and puts it where the scene says, but for drop_height. Throws Error naming the body.
 PlacedMesh place_body(const BodyDescription& body);
 
-/// The cage options that a scene's cage key means.
+/// The cage options that a scene's cage key means; not for cage.mesh.
 CageOptions cage_options(const CageDescription& cage);
 
 /// The model's obstacle and the mesh to draw it. Throws Error naming the obstacle.

@@ -1,10 +1,16 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/hexahedron.h"
 #include "core/material.h"
+#include "embedding/hex_cage.h"
 #include "tools/job.h"
 #include "tools/run_input.h"
 #include "tools/threads.h"
@@ -20,6 +26,19 @@ struct LimitReport {
   double energy = 0, density = 0, stretch = 0;  // [J per hex], [J/m^3], [-]
 };
 
+struct Extremes {
+  double least = 0, largest = 0;
+};
+
+/// What hexes of a file are, where those of a grid are all alike.
+struct HexReport {
+  Extremes edge, volume;         // [m], [m^3]
+  double scaled_jacobian = 1;    // [-] of the worst hex: 1 for a box, 0 where it begins to be inverted
+  double determinant_ratio = 1;  // [-] least over largest det(dX/ds) of the worst hex
+  Eigen::Index worst_hex = 0;    // by scaled Jacobian, in the order of the file's hexes
+  Extremes young_factor{1, 1}, limit_factor{1, 1};  // [-]
+};
+
 /// Everything that inspect tells of a body.
 struct BodyReport {
   std::string name;
@@ -30,8 +49,9 @@ struct BodyReport {
   double mesh_mass = 0, lattice_mass = 0;      // [kg] as material.mass = "mesh" and "lattice" weigh it
   double young = 0;                            // [Pa]
   bool watertight = false;
-  std::string inside_by;  // how inside was told from outside
-  std::optional<LimitReport> limit;
+  std::string inside_by;             // how inside was told from outside
+  std::optional<LimitReport> limit;  // of hexes from a file: of one of the mean volume, without its factor
+  std::optional<HexReport> hexes;    // of a file
   std::vector<std::string> problems;
 };
 
@@ -43,10 +63,41 @@ LimitReport limit_in_all_units(const EnergyLimitOptions& limit, double young, do
   return {.energy = density * cell_volume, .density = density, .stretch = stretch_from_density(young, density)};
 }
 
+Extremes extremes(const VectorXd& values) {
+  return values.size() > 0 ? Extremes{values.minCoeff(), values.maxCoeff()} : Extremes{1, 1};
+}
+
+HexReport report_hexes(const BodySetup& setup, const VectorXd& volumes) {
+  HexReport report;
+  report.volume = extremes(volumes);
+  report.young_factor = extremes(setup.shape.hexes->mesh.young_factor);
+  report.limit_factor = extremes(setup.shape.hexes->mesh.limit_factor);
+  report.edge = {std::numeric_limits<double>::infinity(), 0};
+  double worst = std::numeric_limits<double>::infinity();
+  for (Eigen::Index e = 0; e < setup.lattice.num_hexes(); ++e) {
+    const Matrix8x3d nodes = rest_nodes(setup.lattice, e);
+    const HexQuality quality = hex_quality(nodes);
+    report.determinant_ratio = std::min(report.determinant_ratio, quality.determinant_ratio);
+    if (quality.scaled_jacobian < worst) {
+      worst = quality.scaled_jacobian;
+      report.worst_hex = e;
+    }
+    for (int n = 0; n < 8; ++n)
+      for (int bit = 1; bit < 8; bit <<= 1) {
+        const double edge = (nodes.row(n) - nodes.row(n ^ bit)).norm();
+        report.edge = {std::min(report.edge.least, edge), std::max(report.edge.largest, edge)};
+      }
+  }
+  report.scaled_jacobian = worst;
+  return report;
+}
+
 BodyReport report_body(const BodyDescription& description, const BodySetup& setup) {
   const MeshReport mesh = report_mesh(setup.shape.mesh);
   const Lattice& lattice = setup.lattice;
-  const double cell_volume = lattice.cell_size.prod();
+  const VectorXd volumes =
+      lattice.is_regular() ? VectorXd::Constant(lattice.num_hexes(), lattice.cell_size.prod()) : hex_volumes(lattice);
+  const double cell_volume = lattice.is_regular() ? lattice.cell_size.prod() : volumes.mean();
   BodyReport report;
   report.name = setup.name;
   report.vertices = setup.shape.mesh.num_vertices();
@@ -56,10 +107,13 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   report.parts = mesh.num_parts;
   report.islands = setup.cage.num_islands;
   report.size = mesh.box_max - mesh.box_min;
-  report.cell_size = lattice.cell_size;
+  report.cell_size = lattice.is_regular() ? lattice.cell_size : Vector3d::Constant(std::cbrt(cell_volume)).eval();
+  if (!lattice.is_regular()) report.hexes = report_hexes(setup, volumes);
   report.mesh_volume = setup.cage.mesh_volume;
   report.lattice_volume = cell_volume * double(lattice.num_hexes());
-  report.mesh_mass = description.material.density * cell_volume * lattice.filled_fraction.cwiseMax(least_filling).sum();
+  const VectorXd filling = lattice.filled_fraction.cwiseMax(least_filling);
+  report.mesh_mass =
+      description.material.density * (lattice.is_regular() ? cell_volume * filling.sum() : filling.dot(volumes));
   report.lattice_mass = description.material.density * report.lattice_volume;
   report.young = description.material.young.at(0);
   report.watertight = mesh.watertight;
@@ -79,6 +133,19 @@ nlohmann::ordered_json cell_size_json(const Vector3d& size) {
   return {size.x(), size.y(), size.z()};
 }
 
+nlohmann::ordered_json to_json(const HexReport& report) {
+  const auto both = [](const Extremes& extremes) { return std::array{extremes.least, extremes.largest}; };
+  nlohmann::ordered_json json;
+  json["edge_m"] = both(report.edge);
+  json["volume_m3"] = both(report.volume);
+  json["worst_scaled_jacobian"] = report.scaled_jacobian;
+  json["worst_hex"] = report.worst_hex;
+  json["worst_determinant_ratio"] = report.determinant_ratio;
+  json["young_factor"] = both(report.young_factor);
+  json["limit_factor"] = both(report.limit_factor);
+  return json;
+}
+
 nlohmann::ordered_json to_json(const BodyReport& report) {
   nlohmann::ordered_json json;
   json["vertices"] = report.vertices;
@@ -88,6 +155,7 @@ nlohmann::ordered_json to_json(const BodyReport& report) {
   json["cells"] = report.cells;
   json["nodes"] = report.nodes;
   json["cell_size_m"] = cell_size_json(report.cell_size);
+  if (report.hexes) json["hexes"] = to_json(*report.hexes);
   json["mesh_volume_m3"] = report.mesh_volume;
   json["lattice_volume_m3"] = report.lattice_volume;
   json["mesh_mass_kg"] = report.mesh_mass;
@@ -105,6 +173,20 @@ nlohmann::ordered_json to_json(const BodyReport& report) {
   return json;
 }
 
+void print_hexes(const BodyReport& report) {
+  const HexReport& hexes = *report.hexes;
+  fmt::print(
+      "  cage       {} hexes with edges of {:.4g} to {:.4g} m, {} nodes, volume {:.4g} m^3 (inside told by {})\n",
+      report.cells, hexes.edge.least, hexes.edge.largest, report.nodes, report.lattice_volume, report.inside_by);
+  fmt::print(
+      "  hexes      {:.4g} to {:.4g} m^3; worst scaled Jacobian {:.3g} (hex {}), worst ratio of determinants {:.3g}\n",
+      hexes.volume.least, hexes.volume.largest, hexes.scaled_jacobian, hexes.worst_hex, hexes.determinant_ratio);
+  for (const auto& [name, factor] :
+       {std::pair("Young's modulus", hexes.young_factor), std::pair("limit", hexes.limit_factor)})
+    if (factor.least != 1 || factor.largest != 1)
+      fmt::print("  factors    {:.4g} to {:.4g} on the {}\n", factor.least, factor.largest, name);
+}
+
 void print_body(const BodyReport& report) {
   const Vector3d& size = report.size;
   const Vector3d& cell = report.cell_size;
@@ -113,14 +195,17 @@ void print_body(const BodyReport& report) {
              report.parts == 1 ? "" : "s", report.watertight ? "watertight" : "not watertight");
   fmt::print("  size       {:.4g} x {:.4g} x {:.4g} m, volume {:.4g} m^3\n", size.x(), size.y(), size.z(),
              report.mesh_volume);
-  fmt::print("  cage       {} hexes of {:.4g} x {:.4g} x {:.4g} m, {} nodes, volume {:.4g} m^3 (inside told by {})\n",
-             report.cells, cell.x(), cell.y(), cell.z(), report.nodes, report.lattice_volume, report.inside_by);
+  if (report.hexes)
+    print_hexes(report);
+  else
+    fmt::print("  cage       {} hexes of {:.4g} x {:.4g} x {:.4g} m, {} nodes, volume {:.4g} m^3 (inside told by {})\n",
+               report.cells, cell.x(), cell.y(), cell.z(), report.nodes, report.lattice_volume, report.inside_by);
   fmt::print("  mass       {:.4g} kg by filled cells, {:.4g} kg with full cells\n", report.mesh_mass,
              report.lattice_mass);
   fmt::print("  stiffness  {:.4g} kPa\n", report.young / 1e3);
   if (report.limit)
-    fmt::print("  limit      {:.4g} J per hex = {:.4g} J/m^3 = {:.4g} % stretch\n", report.limit->energy,
-               report.limit->density, 100 * report.limit->stretch);
+    fmt::print("  limit      {:.4g} J per hex{} = {:.4g} J/m^3 = {:.4g} % stretch\n", report.limit->energy,
+               report.hexes ? " of the mean volume" : "", report.limit->density, 100 * report.limit->stretch);
   else
     fmt::print("  limit      none\n");
   for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);

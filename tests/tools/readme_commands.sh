@@ -24,6 +24,32 @@ f 2 3 6
 f 4 2 6
 f 1 4 6
 OBJ
+# and two hexes, one of them askew, for the reader's part
+cat >part.msh <<'MSH'
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+12
+1 0 0 0
+2 1 0 0
+3 2 0.2 0
+4 0 1 0
+5 1 1 0
+6 2 1 0
+7 0 0 1
+8 1 0 1
+9 2 0 1.1
+10 0 1 1
+11 1 1 1
+12 2.1 1 1
+$EndNodes
+$Elements
+2
+1 5 2 1 1 1 2 5 4 7 8 11 10
+2 5 2 1 1 2 3 6 5 8 9 12 11
+$EndElements
+MSH
 # the README's scene file
 awk '/^```toml/ { inside = 1; next } /^```/ { inside = 0 } inside' "$readme" >cow.toml
 

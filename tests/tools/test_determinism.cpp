@@ -6,6 +6,8 @@
 #include "scenes/scene_file.h"
 #include "scenes/sha256.h"
 #include "tests/support/catch.h"
+#include "tests/tools/hex_bar.h"
+#include "tests/tools/temporary_folder.h"
 #include "tools/simulation_setup.h"
 #include "tools/threads.h"
 
@@ -61,6 +63,13 @@ TEST_CASE("the beam's states are the same bytes for any threads and restarts") {
 
 TEST_CASE("the sphere's states are the same bytes for any threads and restarts") {
   check_one_result("sphere", {"body.sphere.position=[0,1.05,0]", "body.sphere.velocity=[0.5,-4.4,0]"}, 40, 10, 2);
+}
+
+TEST_CASE("the states of a body of irregular hexes are the same bytes for any threads and restarts") {
+  const TemporaryFolder folder;
+  make_file(folder / "bar.msh", testing::gmsh_4(testing::document_of(testing::twisted_bar()), true));
+  make_file(folder / "bar.toml", testing::bar_scene("bar.msh"));
+  check_one_result((folder / "bar.toml").string(), {}, 30, 10, 4);
 }
 
 TEST_CASE("the pressed ball's states are the same bytes for any threads and restarts") {
