@@ -66,16 +66,6 @@ Swing swing(const Body& beam, int steps) {
   return result;
 }
 
-std::string complaint(const Body& body) {
-  try {
-    make_model({body}, {});
-  } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
-    return error.what();
-  }
-  return "";
-}
-
 }  // namespace
 
 TEST_CASE("finite patch test: an affine deformation of irregular hexes strains all alike and loads no inner node") {

@@ -15,16 +15,6 @@ Body two_cells() {
   return body;
 }
 
-std::string complaint(const Body& body) {
-  try {
-    make_model({body}, {});
-  } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
-    return error.what();
-  }
-  return "";
-}
-
 double limit_of(Body body, LimitUnit unit, double value) {
   body.limit = {.kind = LimitKind::hard, .unit = unit, .value = value};
   return energy_limit_at(make_model({body}, {}), 0, 0);
@@ -80,7 +70,7 @@ TEST_CASE("fixed nodes start at rest whatever the body does") {
 TEST_CASE("bad materials are refused by the name of body and key") {
   Body body = two_cells();
   body.name = "jelly";
-  CHECK(complaint(body).empty());
+  CHECK(test::complaint(body).empty());
   std::string key;
   SECTION("zero stiffness") {
     body.material.young = 0.0, key = "material.young";
@@ -147,7 +137,7 @@ TEST_CASE("bad materials are refused by the name of body and key") {
   SECTION("nothing wrong") {
     return;
   }
-  const std::string text = complaint(body);
+  const std::string text = test::complaint(body);
   CHECK(text.find("body.jelly." + key) != std::string::npos);
 }
 
@@ -155,7 +145,7 @@ TEST_CASE("a bad cage is refused by the name of its body") {
   Body body = two_cells();
   body.name = "jelly";
   body.lattice.rest_positions(0, 0) = std::nan("");
-  CHECK(complaint(body).find("jelly") != std::string::npos);
+  CHECK(test::complaint(body).find("jelly") != std::string::npos);
 }
 
 TEST_CASE("bad obstacles are refused by name") {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/error.h"
 #include "core/rotation.h"
+#include "tests/support/catch.h"
 
 namespace umax::test {
 
@@ -150,6 +152,16 @@ Vector3d angular_momentum(const Model& model, const State& state) {
     sum += model.node_mass[i] * arm.cross(v);
   }
   return sum;
+}
+
+std::string complaint(const Body& body) {
+  try {
+    make_model({body}, {});
+  } catch (const Error& error) {
+    CHECK(error.exit_code() == ExitCode::bad_data);
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace umax::test

@@ -51,6 +51,9 @@ Obstacle make_ground(double friction = 0);
 
 void limit_energy(Body& body, double energy);
 
+/// What make_model() says against a body, as bad data; nothing if it takes it.
+std::string complaint(const Body& body);
+
 /// Steps and hands every report and state to `look`.
 template <class Look>
 void simulate(const Model& model, const StepOptions& options, int steps, State& state, const Look& look) {

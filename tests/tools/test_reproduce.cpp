@@ -128,6 +128,15 @@ TEST_CASE("a report's numbers keep their digits and their names in report.csv", 
         "s,\"t\"\"1\"\"\",\"first, with a comma\",length,m,0.333333333333\n");
 }
 
+TEST_CASE("numbers are shown with the digits that are asked for", "[reproduce]") {
+  CHECK(number_cell(2583.4).text == "2583");
+  CHECK(number_cell(0.0012345).text == "0.00123");
+  CHECK(number_cell(-1.00951, 5).text == "-1.0095");
+  CHECK(number_cell(43243, 7).text == "43243");
+  CHECK(number_cell(NAN).text == "–");
+  CHECK_FALSE(number_cell(NAN).number);
+}
+
 TEST_CASE("a report's page shows words as words and needs no other file", "[reproduce]") {
   ReportPlot plot;
   plot.caption = "a plot";

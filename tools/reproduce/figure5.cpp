@@ -134,11 +134,10 @@ ReportSection figure5(Workbench& bench) {
                                 "collapse and 0.25 s later; {} hexes. Paper's method and energy.",
                                 published.front().simulation->model.num_hexes())},
       table, energy_plot(motions),
-      ReportText{
-          "the paper does not say how fine its lattice is; here the sphere's box has 10 × 10 × 10 cells. The number "
-          "matters: 50 J are 4 % of a stretch in a cell of one metre, but 100 % in one of 12 cm, where the limit "
-          "would hardly act.",
-          ReportVoice::difference}};
+      ReportText{"the paper does not say how fine its lattice is; here the sphere's box has 10 × 10 × 10 cells of 20 "
+                 "cm, in which 50 J are a stretch of 50 %. The number matters: they are 4 % in a cell of one metre, "
+                 "but 100 % in one of 12 cm, where the limit would hardly act.",
+                 ReportVoice::difference}};
   return section;
 }
 

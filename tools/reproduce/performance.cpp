@@ -93,6 +93,7 @@ ReportSection performance(Workbench& bench) {
                                number_cell(520.59, 5),
                                {"–"},
                                number_cell(35.19, 4),
+                               {"–"},
                                number_cell(6.36, 3),
                                {"not said"},
                                {"not said"}}}}};

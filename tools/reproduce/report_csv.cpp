@@ -32,7 +32,8 @@ std::string csv_rows(const std::string& section, const ReportTable& table) {
 
 ReportCell number_cell(double number, int digits) {
   if (std::isnan(number)) return {.text = "–"};
-  return {.text = fmt::format("{:.{}g}", number, digits), .number = number};
+  const bool is_long = std::abs(number) >= std::pow(10, digits) && std::abs(number) < 1e9;  // 2583, not 2.58e+03
+  return {.text = is_long ? fmt::format("{:.0f}", number) : fmt::format("{:.{}g}", number, digits), .number = number};
 }
 
 std::string report_csv(const Report& report) {

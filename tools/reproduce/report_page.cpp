@@ -17,7 +17,8 @@ table { border-collapse: collapse; margin: 1.2em 0; font-variant-numeric: tabula
 th, td { border-bottom: 1px solid #d8dbe0; padding: .3em .9em; text-align: right; vertical-align: bottom; }
 th:first-child, td:first-child, td.words { text-align: left; }
 td:first-child { white-space: nowrap; }
-td.words { min-width: 9em; }
+td.words { min-width: 12em; }
+caption { min-width: 34em; }
 thead th { border-bottom: 2px solid #9aa1ac; }
 .unit { color: #6a707b; font-weight: normal; }
 .paper { border-left: 4px solid #3d73b9; padding: .2em 1em; background: #f0f5fb; }
@@ -33,6 +34,11 @@ std::string block_html(const ReportText& text) {
   return std::string("<p") + kind + ">" + html_text(text.text) + "</p>\n";
 }
 
+/// Words that need room, and start at the left.
+bool is_sentence(const ReportCell& cell) {
+  return !cell.number && cell.text.size() > 12;
+}
+
 std::string block_html(const ReportTable& table) {
   std::string html = "<table><caption>" + html_text(table.caption) + "</caption>\n<thead><tr><th></th>";
   for (const ReportColumn& column : table.columns) {
@@ -44,7 +50,7 @@ std::string block_html(const ReportTable& table) {
   for (const ReportRow& row : table.rows) {
     html += "<tr><td>" + html_text(row.name) + "</td>";
     for (const ReportCell& cell : row.cells)
-      html += (cell.number ? "<td>" : "<td class=\"words\">") + html_text(cell.text) + "</td>";
+      html += (is_sentence(cell) ? "<td class=\"words\">" : "<td>") + html_text(cell.text) + "</td>";
     html += "</tr>\n";
   }
   return html + "</tbody></table>\n";
