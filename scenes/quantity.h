@@ -24,10 +24,12 @@ struct Unit {
 namespace units {
 inline constexpr Unit ratio{{}, "", "%", "20 %"};
 inline constexpr Unit length{{.length = 1}, "m", "m, cm, mm, km, in, ft", "12 cm"};
+inline constexpr Unit area{{.length = 2}, "m^2", "m^2, cm^2, mm^2, in^2", "25 mm^2"};
 inline constexpr Unit time{{.time = 1}, "s", "s, ms, min", "0.5 s"};
 inline constexpr Unit rate{{.time = -1}, "1/s", "1/s, Hz", "60 Hz"};
 inline constexpr Unit speed{{.length = 1, .time = -1}, "m/s", "m/s, cm/s, km/h", "2 m/s"};
 inline constexpr Unit acceleration{{.length = 1, .time = -2}, "m/s^2", "m/s^2", "9.81 m/s^2"};
+inline constexpr Unit force{{.length = 1, .mass = 1, .time = -2}, "N", "N, mN, kN", "10 N"};
 inline constexpr Unit pressure{{.length = -1, .mass = 1, .time = -2}, "Pa", "Pa, kPa, MPa, GPa, N/m^2", "500 kPa"};
 inline constexpr Unit energy{{.length = 2, .mass = 1, .time = -2}, "J", "J, mJ, kJ, N m", "100 J"};
 inline constexpr Unit energy_density{

@@ -11,8 +11,8 @@
 namespace umax {
 namespace {
 
-constexpr std::string_view everywhere = "run simulate render turntable drop inspect scenes reproduce compare help";
-constexpr std::string_view not_built[] = {"tune", "fit", "export"};
+constexpr std::string_view everywhere = "run simulate render turntable drop inspect scenes reproduce fit compare help";
+constexpr std::string_view not_built[] = {"tune", "export"};
 
 /// An option with the verbs that take it and what help says of it.
 struct OptionEntry {
@@ -53,6 +53,7 @@ class Grammar {
     add_run_options(options);
     add_picture_options(options);
     add_mesh_options(options);
+    add_fit_options(options);
     add_general_options(options);
   }
 
@@ -100,14 +101,15 @@ class Grammar {
   void add_run_options(Options& o) {
     constexpr std::string_view runs = "run simulate render turntable drop", steps = "run simulate drop";
     constexpr std::string_view folders = "run simulate render turntable drop reproduce";
-    add("-o,--output", "DIR", o.output, folders,
-        "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report)");
+    add("-o,--output", "DIR", o.output, "run simulate render turntable drop reproduce fit",
+        "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; fit: ./NAME-fit)");
     add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect reproduce",
         "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable")
         ->allow_extra_args(false);
     add("--frames", "LIST", o.frames, runs, "only these frames, as in 1-40,50,60-90x2");
     add_flag("--resume", o.resume, folders, "go on with the folder's run where it stopped");
-    add_flag("--overwrite", o.overwrite, folders, "replace the run that the folder holds");
+    add_flag("--overwrite", o.overwrite, "run simulate render turntable drop reproduce fit",
+             "replace the run that the folder holds");
     add_flag("--strict", o.strict, steps, "end with exit code 75 when a step does not converge");
     add_flag("--quick", o.quick, "run render turntable drop reproduce",
              "few samples and small pictures, for a first look");
@@ -138,6 +140,17 @@ class Grammar {
     add_flag("--json", o.json, "inspect", "print one JSON object");
   }
 
+  void add_fit_options(Options& o) {
+    add("--test", "KIND", o.test, "fit", "uniaxial (default), compression or shear")
+        ->check(CLI::IsMember({"uniaxial", "compression", "shear"}));
+    add("--length", "LENGTH", o.length, "fit",
+        "of the specimen at rest, for displacements, as in \"50 mm\"; shear: height of the sheared layer");
+    add("--area", "AREA", o.area, "fit",
+        "of the specimen's section at rest, for forces, as in \"25 mm^2\"; shear: of the sheared layer");
+    add("--poisson", "NU", o.poisson, "fit", "Poisson's ratio where the data do not tell it (default: 0.3)")
+        ->check(CLI::Range(-0.99, 0.4999));
+  }
+
   void add_general_options(Options& o) {
     constexpr std::string_view workers = "run simulate render turntable drop reproduce inspect compare";
     static const std::map<std::string, ProgressMode> modes{
@@ -147,7 +160,8 @@ class Grammar {
     CLI::Option* progress = app_.add_option("--progress", o.progress)->transform(CLI::CheckedTransformer(modes));
     entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce",
                         "auto (a bar on a terminal), plain (a line per frame) or json"});
-    add_flag("--quiet", o.quiet, workers, "say nothing but warnings and errors");
+    add_flag("--quiet", o.quiet, "run simulate render turntable drop reproduce inspect fit compare",
+             "say nothing but warnings and errors");
     add_flag("--verbose", o.verbose, workers, "say more; simulate prints a line per iteration");
     entries_.push_back({app_.add_flag("-h,--help", o.help), "-h, --help", everywhere, "this text"});
     entries_.push_back({app_.add_flag("--version", o.version), "--version", everywhere, "the program's version"});

@@ -76,7 +76,8 @@ void check_folder(const fs::path& path, ExistingFolder existing, const FolderKin
   if (is_locked(path, kind)) ::close(open_lock(path, kind));  // says who has it
   if (existing == ExistingFolder::refuse)
     refuse_folder(path, "exists already",
-                  "go on with it by --resume, replace it by --overwrite, or choose another folder with -o");
+                  std::string(kind.has_resume ? "go on with it by --resume, " : "") +
+                      "replace it by --overwrite, or choose another folder with -o");
   if (!fs::is_empty(path, error) && !is_of_kind(path, kind))
     refuse_folder(path, std::string("holds files but no ") + kind.name + ", and is left alone",
                   "choose another folder with -o");

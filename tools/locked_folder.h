@@ -18,6 +18,7 @@ struct FolderKind {
   const char* name;       // "run of umax", for messages
   const char* lock_name;  // ".umax.lock"
   bool (*has_record)(const std::filesystem::path&);
+  bool has_resume = true;  // whether --resume goes on with it, for messages
 };
 
 /// Whether a job of this kind made the folder.

@@ -34,6 +34,11 @@ struct Options {
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
 
+  std::optional<std::string> test;    // fit: "uniaxial" | "compression" | "shear"
+  std::optional<std::string> length;  // fit: "50 mm", of the specimen
+  std::optional<std::string> area;    // fit: "25 mm^2"
+  std::optional<double> poisson;      // fit: where the data do not tell it
+
   std::optional<std::string> report;  // compare: a page to write
   std::optional<double> max_flip;     // compare
 

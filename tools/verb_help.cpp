@@ -44,6 +44,18 @@ const std::vector<VerbHelp>& verbs() {
        "them. With --resume a report that was stopped goes on, and further experiments join its page.\n\n"
        "  umax reproduce figure3 --quick\n"
        "  umax reproduce --set body.armadillo.mesh=armadillo.obj\n"},
+      {"fit", "MEASUREMENTS.csv", "material and limit from force-deformation data",
+       "Simulates the test that was measured on hexes and adjusts Young's modulus, the limit and, where the data tell "
+       "it,\n"
+       "Poisson's ratio until the stretches at the measured forces fit. Writes DIR/material.toml, lines for a scene, "
+       "and\n"
+       "DIR/fit.svg with data, simulated test and residuals.\n\n"
+       "The file has comma-separated columns with a header: stretch [%] (change of length over length), stretch ratio\n"
+       "(length over length) or displacement [mm]; force [N] or stress [kPa] (over the section at rest); lateral "
+       "stretch\n"
+       "[%] or lateral stretch ratio, if measured, tell Poisson's ratio. Lines that begin with # are comments.\n\n"
+       "  umax fit silicone.csv --length \"50 mm\" --area \"24 mm^2\"\n"
+       "  umax fit pads.csv --test shear --length \"4 mm\" --area \"10 cm^2\" --poisson 0.49\n"},
       {"compare", "A B", "image difference: mean FLIP, maximum, percentage",
        "Compares two pictures, or the pictures of the same names in two folders. Exit code 0: the mean FLIP is within\n"
        "--max-flip; 1: it is not; 2 or more: the comparison failed.\n\n"

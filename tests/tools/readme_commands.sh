@@ -7,6 +7,10 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
+# the reader's copy of the measurements that come with the program
+mkdir scenes
+ln -s "$(dirname "$readme")/scenes/measurements" scenes/measurements
+
 # the reader's mesh: an octahedron stands in for the cow
 cat >cow.obj <<'OBJ'
 v 1 0 0

@@ -1,0 +1,282 @@
+#include "tools/fit/measurements.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "core/error.h"
+#include "scenes/quantity.h"
+#include "tools/fit/csv_table.h"
+
+namespace umax {
+namespace {
+
+constexpr std::size_t fewest_points = 5;
+constexpr std::size_t fewest_loads = 3;
+
+enum class Quantity { stretch, stretch_ratio, displacement, force, stress, lateral_stretch, lateral_stretch_ratio };
+enum class Role { deformation, load, lateral };
+
+struct ColumnKind {
+  Quantity quantity;
+  Role role;
+  Unit unit;
+  std::vector<std::string> names;
+};
+
+const std::vector<ColumnKind>& column_kinds() {
+  static const std::vector<ColumnKind> kinds{
+      {Quantity::stretch, Role::deformation, units::ratio, {"stretch", "strain", "shear", "shear strain"}},
+      {Quantity::stretch_ratio, Role::deformation, units::ratio, {"stretch ratio", "extension ratio"}},
+      {Quantity::displacement, Role::deformation, units::length, {"displacement", "extension"}},
+      {Quantity::force, Role::load, units::force, {"force", "load"}},
+      {Quantity::stress, Role::load, units::pressure, {"stress", "nominal stress", "engineering stress"}},
+      {Quantity::lateral_stretch,
+       Role::lateral,
+       units::ratio,
+       {"lateral stretch", "lateral strain", "transverse stretch", "transverse strain"}},
+      {Quantity::lateral_stretch_ratio,
+       Role::lateral,
+       units::ratio,
+       {"lateral stretch ratio", "transverse stretch ratio"}}};
+  return kinds;
+}
+
+struct Column {
+  const ColumnKind* kind = nullptr;
+  std::size_t index = 0;
+  std::string title;  // as the file has it
+  std::string unit;   // "" for none
+};
+
+[[noreturn]] void fail(const std::string& where, const std::string& what, const std::string& value,
+                       const std::string& remedy) {
+  throw Error(ExitCode::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
+}
+
+/// "Force [N]" or "Force (N)" to its name in small letters and its unit.
+std::pair<std::string, std::string> split_title(const std::string& title) {
+  const std::size_t open = title.find_first_of("[(");
+  std::string name = title.substr(0, open), unit;
+  if (open != std::string::npos) {
+    const std::size_t close = title.find_last_of("])");
+    if (close != std::string::npos && close > open) unit = title.substr(open + 1, close - open - 1);
+  }
+  while (!name.empty() && name.back() == ' ') name.pop_back();
+  for (char& c : name) c = c == '_' ? ' ' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return {name, unit == "-" || unit == "1" ? "" : unit};
+}
+
+/// Reads a unit on its own; throws unless it measures what the column holds.
+void check_unit(const Column& column, const std::string& where) {
+  const Unit& wanted = column.kind->unit;
+  if (column.unit.empty()) {
+    if (wanted.dimension != units::ratio.dimension)
+      fail(where, "has no unit", column.title,
+           fmt::format("write one of {} in brackets after its name", wanted.accepted));
+    return;
+  }
+  std::string problem;
+  if (!parse_quantity("1 " + column.unit, wanted, problem))
+    fail(where, problem.empty() ? "has a unit that cannot be read" : problem, column.title,
+         fmt::format("write one of {} in brackets after its name", wanted.accepted));
+}
+
+struct Columns {
+  Column deformation, load;
+  std::optional<Column> lateral;
+};
+
+Columns find_columns(const CsvRow& header, const std::string& name, std::vector<std::string>& warnings) {
+  std::array<std::vector<Column>, 3> found;
+  std::string ignored;
+  for (std::size_t i = 0; i < header.fields.size(); ++i) {
+    const auto [title, unit] = split_title(header.fields[i]);
+    const ColumnKind* kind = nullptr;
+    for (const ColumnKind& candidate : column_kinds())
+      if (std::find(candidate.names.begin(), candidate.names.end(), title) != candidate.names.end()) kind = &candidate;
+    if (kind)
+      found[std::size_t(kind->role)].push_back({kind, i, header.fields[i], unit});
+    else
+      ignored += (ignored.empty() ? "\"" : ", \"") + header.fields[i] + "\"";
+  }
+  const std::string where = fmt::format("{}:{}", name, header.line);
+  constexpr std::array needs{"a column of stretch [%] or displacement [mm]", "a column of force [N] or stress [kPa]",
+                             ""};
+  for (const Role role : {Role::deformation, Role::load, Role::lateral}) {
+    const std::vector<Column>& columns = found[std::size_t(role)];
+    if (columns.empty() && role != Role::lateral)
+      fail(where, "the header lacks " + std::string(needs[std::size_t(role)]), ignored,
+           "name the columns as in stretch [%],force [N]; the first line that is no comment is the header");
+    if (columns.size() > 1)
+      fail(where, "two columns say the same", columns[0].title + " and " + columns[1].title, "leave one of them");
+    for (const Column& column : columns) check_unit(column, where);
+  }
+  if (!ignored.empty()) warnings.push_back(fmt::format("{}: ignored what is in column {}", where, ignored));
+  Columns columns{found[0][0], found[1][0], std::nullopt};
+  if (!found[2].empty()) columns.lateral = found[2][0];
+  return columns;
+}
+
+bool is_missing(const std::string& field) {
+  static const std::set<std::string> words{"", "-", "nan", "NaN", "NAN", "n/a", "N/A", "NA", "null"};
+  return words.count(field) > 0;
+}
+
+/// The field in SI units; nothing where there is no number.
+std::optional<double> read_field(const CsvRow& row, const Column& column, const std::string& name) {
+  const std::string& field = row.fields[column.index];
+  if (is_missing(field)) return std::nullopt;
+  std::string problem;
+  const auto quantity =
+      parse_quantity(column.unit.empty() ? field : field + " " + column.unit, column.kind->unit, problem);
+  if (!quantity)
+    fail(fmt::format("{}:{}: {}", name, row.line, column.title), problem.empty() ? "is no number" : problem,
+         "\"" + field + "\"", "write a number with a point, as in 12.5, or leave the field empty");
+  return quantity->value;
+}
+
+/// Signs such that deformation and load are positive in tension or shear, negative in compression.
+void orient(Measurements& measurements, bool ratio) {
+  double stretch_sum = 0, stress_sum = 0;
+  for (const MeasuredPoint& point : measurements.points) stretch_sum += point.stretch, stress_sum += point.stress;
+  if (measurements.test == TestKind::uniaxial) return;
+  const double wanted = measurements.test == TestKind::compression ? -1 : 1;
+  const bool turn_stretch = !ratio && stretch_sum * wanted < 0, turn_stress = stress_sum * wanted < 0;
+  for (MeasuredPoint& point : measurements.points) {
+    if (turn_stretch) point.stretch = -point.stretch;
+    if (turn_stress) point.stress = -point.stress;
+  }
+}
+
+void check_rows(const Measurements& measurements, const Columns& columns) {
+  for (const MeasuredPoint& point : measurements.points) {
+    const std::string where = fmt::format("{}:{}: ", measurements.name, point.line);
+    if (point.stretch <= -1 && measurements.test != TestKind::shear)
+      fail(where + columns.deformation.title, "leaves nothing of the length",
+           fmt::format("a stretch of {:.4g} %", 100 * point.stretch),
+           "a stretch is the change of length over length, above -100 %; ratios go in a column \"stretch ratio\"");
+    if (point.lateral_stretch <= -1)
+      fail(where + columns.lateral->title, "leaves nothing of the width",
+           fmt::format("a stretch of {:.4g} %", 100 * point.lateral_stretch),
+           "a lateral stretch is the change of width over width; ratios go in a column \"lateral stretch ratio\"");
+  }
+}
+
+/// Unloaded, yet stretched to 1: ratios in a column of stretches.
+void check_origin(const Measurements& measurements, const Columns& columns) {
+  if (columns.deformation.kind->quantity != Quantity::stretch) return;
+  double largest = 0;
+  for (const MeasuredPoint& point : measurements.points) largest = std::max(largest, std::abs(point.stress));
+  for (const MeasuredPoint& point : measurements.points)
+    if (std::abs(point.stress) <= 0.02 * largest && std::abs(std::abs(point.stretch) - 1) < 0.05)
+      fail(fmt::format("{}:{}: {}", measurements.name, point.line, columns.deformation.title),
+           "is 1 where there is no force", fmt::format("{:g}", point.stretch),
+           "lengths over the length at rest go in a column \"stretch ratio\"; a stretch is 0 at rest");
+}
+
+void check_enough(const Measurements& measurements, std::size_t num_rows) {
+  const auto& points = measurements.points;
+  if (points.size() < fewest_points)
+    fail(measurements.name, fmt::format("needs at least {} rows with numbers", fewest_points),
+         fmt::format("{} of {}", points.size(), num_rows), "measure at more forces");
+  std::set<double> loads, stretches;
+  double products = 0;
+  for (const MeasuredPoint& point : points) {
+    if (point.stress != 0) loads.insert(point.stress);
+    stretches.insert(point.stretch);
+    products += point.stress * point.stretch;
+  }
+  if (loads.size() < fewest_loads)
+    fail(measurements.name, fmt::format("needs at least {} different forces other than zero", fewest_loads),
+         std::to_string(loads.size()), "measure at more forces");
+  if (stretches.size() < fewest_loads)
+    fail(measurements.name, fmt::format("needs at least {} different stretches", fewest_loads),
+         std::to_string(stretches.size()), "measure where the specimen still gives way");
+  if (!(products > 0))
+    fail(measurements.name, "has stretches that fall where forces rise", "",
+         "forces and stretches are positive in tension, negative in compression; a test in compression with positive "
+         "numbers takes --test compression");
+}
+
+double area_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
+  if (column.kind->quantity == Quantity::stress) return 1;
+  if (!options.area)
+    throw Error(ExitCode::usage, {.where = name + ": " + column.title,
+                                  .what = "is a force, and says nothing of the material without the specimen's section",
+                                  .remedy = "give --area, as in --area \"25 mm^2\""});
+  return *options.area;
+}
+
+double length_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
+  if (column.kind->quantity != Quantity::displacement) return 1;
+  if (!options.length)
+    throw Error(ExitCode::usage, {.where = name + ": " + column.title,
+                                  .what = "says nothing of the material without the specimen's length",
+                                  .remedy = "give --length, as in --length \"50 mm\""});
+  return *options.length;
+}
+
+/// "3 rows (lines 4, 7, 9)", of many the first.
+std::string lines_text(const std::vector<int>& lines) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, lines.size()); ++i) text += (i ? ", " : "") + std::to_string(lines[i]);
+  return fmt::format("{} (line{} {}{})", lines.size() == 1 ? "1 row" : fmt::format("{} rows", lines.size()),
+                     lines.size() == 1 ? "" : "s", text, lines.size() > most ? ", …" : "");
+}
+
+}  // namespace
+
+Measurements parse_measurements(std::string_view text, const std::string& name, const MeasurementOptions& options) {
+  const CsvTable table = parse_csv(text, name);
+  Measurements measurements{.name = name, .test = options.test, .points = {}, .has_lateral = false, .warnings = {}};
+  Columns columns = find_columns(table.header, name, measurements.warnings);
+  if (columns.lateral && options.test == TestKind::shear) {
+    measurements.warnings.push_back(
+        fmt::format("{}: ignored column \"{}\": a shear test has no width to speak of", name, columns.lateral->title));
+    columns.lateral.reset();
+  }
+  const double area = area_of(options, columns.load, name), length = length_of(options, columns.deformation, name);
+  const bool ratio = columns.deformation.kind->quantity == Quantity::stretch_ratio;
+  std::vector<int> ignored;
+  for (const CsvRow& row : table.rows) {
+    const auto deformation = read_field(row, columns.deformation, name), load = read_field(row, columns.load, name);
+    if (!deformation || !load) {
+      ignored.push_back(row.line);
+      continue;
+    }
+    MeasuredPoint point{.line = row.line, .stretch = *deformation / length - (ratio ? 1 : 0), .stress = *load / area};
+    if (columns.lateral)
+      if (const auto lateral = read_field(row, *columns.lateral, name)) {
+        point.lateral_stretch = *lateral - (columns.lateral->kind->quantity == Quantity::lateral_stretch_ratio ? 1 : 0);
+        measurements.has_lateral = true;
+      }
+    measurements.points.push_back(point);
+  }
+  if (!ignored.empty())
+    measurements.warnings.push_back(
+        fmt::format("{}: ignored {} without a number for stretch or force", name, lines_text(ignored)));
+  orient(measurements, ratio);
+  check_rows(measurements, columns);
+  check_origin(measurements, columns);
+  check_enough(measurements, table.rows.size());
+  return measurements;
+}
+
+const char* test_name(TestKind test) {
+  switch (test) {
+    case TestKind::uniaxial:
+      return "uniaxial";
+    case TestKind::compression:
+      return "compression";
+    case TestKind::shear:
+      return "shear";
+  }
+  return "unknown";
+}
+
+}  // namespace umax
