@@ -125,6 +125,18 @@ TEST_CASE("a specimen in tension or compression follows Hooke's law up to its li
     }
 }
 
+TEST_CASE("a specimen is compressed to a fifth without toppling") {
+  for (const double poisson : {0.0, 0.3, 0.45}) {
+    Specimen specimen({.loading = Loading::compression, .poisson = poisson});
+    for (const double load : {0.4, 0.6, 0.8}) {
+      CAPTURE(poisson, load);
+      const auto reading = specimen.at(load);
+      REQUIRE(reading);
+      CHECK(std::abs(reading->stretch / -load - 1) < 1e-6);
+    }
+  }
+}
+
 TEST_CASE("a sheared specimen has the shear modulus of its material, and the shear that its limit allows") {
   for (const double poisson : {0.0, 0.3, 0.45}) {
     Specimen specimen({.loading = Loading::shear, .poisson = poisson, .limit_stretch = 0.05});

@@ -15,9 +15,14 @@ constexpr double young = 1;
 constexpr double length = 1;              // [m] of a tension specimen along y; height of a sheared layer
 constexpr double total_mass = 1;          // [kg] of the weights
 constexpr double weightless = 1e-9;       // [kg] of a node without weight
-constexpr double time_step = 1e4;         // [s] so long that inertia is 1e-8 of the stiffness: a state of rest
+constexpr double rest_step = 1e4;         // [s] so long that inertia is 1e-8 of the stiffness: a state of rest
+constexpr double toppling_load = 0.3;     // [-] where a guide is needed
+constexpr double guided_step = 0.5;       // [s] inertia is as stiff as the block
+constexpr double rest_tolerance = 1e-10;  // [m] of a guided weight
+constexpr int max_guided_rounds = 200;
 constexpr double tolerance = 1e-8;        // [-] of the solver
 constexpr double width_tolerance = 1e-9;  // [-] of the grip that follows the specimen's width
+constexpr double flattened = -0.99;       // [-] stretch from which on a specimen counts as turned inside out
 constexpr int max_width_rounds = 30;
 constexpr double largest_increment = 0.05;  // [-] of load in one step, or half of the load
 
@@ -25,9 +30,9 @@ bool is_at(double a, double b) {
   return std::abs(a - b) < 1e-9;
 }
 
-/// Box along x, y, z that is twice as wide as it is high: it does not topple under a weight that pushes.
+/// One layer of hexes, twice as wide as high: weights that push do not make it buckle.
 Lattice uniaxial_lattice() {
-  return make_box_lattice({2, 2, 2}, Vector3d(-1, 0, -1), Vector3d(1, 0.5 * length, 1));
+  return make_box_lattice({2, 1, 2}, Vector3d(-1, 0, -1), Vector3d(1, length, 1));
 }
 
 /// Two layers, six times as long as high, as a lap joint: what happens at their free ends matters little.
@@ -39,6 +44,7 @@ Lattice shear_lattice() {
 
 struct Specimen::Rig {
   Loading loading;
+  bool limited;
   Lattice lattice;
   std::vector<int> held, loaded;  // nodes
   Model model;
@@ -50,6 +56,7 @@ struct Specimen::Rig {
 
   explicit Rig(const SpecimenOptions& options)
       : loading(options.loading),
+        limited(std::isfinite(options.limit_stretch)),
         lattice(options.loading == Loading::shear ? shear_lattice() : uniaxial_lattice()),
         model(make_model({body(options)}, {})),
         workspace(model),
@@ -94,6 +101,23 @@ struct Specimen::Rig {
 
   /// Brings the specimen to rest under the load with the grip as wide as it is.
   bool settle(double at_load) {
+    if (loading != Loading::compression || at_load < toppling_load) return advance(at_load, rest_step);
+    const State start = state;
+    if (limited && advance(at_load, rest_step)) return true;
+    // A weight on so soft a block topples it. Its inertia and the symmetry of the block guide it instead, in many short
+    // steps that come to rest.
+    state = start;
+    for (int round = 0; round < max_guided_rounds; ++round) {
+      const Points before = state.positions;
+      if (!advance(at_load, guided_step)) return false;
+      make_symmetric();
+      if ((state.positions - before).cwiseAbs().maxCoeff() < rest_tolerance) return true;
+    }
+    return false;
+  }
+
+  /// One step from a standstill.
+  bool advance(double at_load, double time_step) {
     const double force = at_load * young * area;
     const Vector3d direction = loading == Loading::shear         ? Vector3d::UnitX()
                                : loading == Loading::compression ? Vector3d(-Vector3d::UnitY())
@@ -104,6 +128,23 @@ struct Specimen::Rig {
     options.solver.max_halvings = 0;  // the start is at rest: a shorter step is another problem, not an easier one
     state.velocities.setZero();
     return step(model, options, workspace, state).status == StepStatus::converged && state.positions.allFinite();
+  }
+
+  /// Takes the mean of the block and its mirror images in x and z.
+  void make_symmetric() {
+    const Points rest = lattice.rest_positions;
+    for (const int axis : {0, 2}) {
+      const Points positions = state.positions;
+      for (int node = 0; node < int(rest.rows()); ++node) {
+        Eigen::RowVector3d mirror = rest.row(node);
+        mirror[axis] = -mirror[axis];
+        Eigen::Index image = 0;
+        (rest.rowwise() - mirror).rowwise().squaredNorm().minCoeff(&image);
+        Eigen::RowVector3d reflected = positions.row(image);
+        reflected[axis] = -reflected[axis];
+        state.positions.row(node) = (positions.row(node) + reflected) / 2;
+      }
+    }
   }
 
   /// Mean width of the loaded face over that at rest.
@@ -173,10 +214,14 @@ std::optional<SpecimenReading> Specimen::at(double load) {
   const State start = rig_->state;
   const double start_load = rig_->load, start_width = rig_->width;
   const int parts = std::max(1, int(std::ceil(std::abs(load - start_load) / std::max(largest_increment, load / 2))));
-  for (int part = 1; part <= parts; ++part) {
+  bool bears = true;
+  for (int part = 1; bears && part <= parts; ++part) {
     const double part_load = start_load + (load - start_load) * part / parts;
-    const bool at_rest = rig_->loading == Loading::shear ? rig_->settle(part_load) : rig_->settle_with_width(part_load);
-    if (at_rest) continue;
+    bears = rig_->loading == Loading::shear ? rig_->settle(part_load) : rig_->settle_with_width(part_load);
+    const SpecimenReading reading = rig_->read();
+    bears = bears && std::min(reading.stretch, reading.lateral_stretch) > flattened;
+  }
+  if (!bears) {
     rig_->state = start;
     rig_->width = start_width;
     return std::nullopt;
