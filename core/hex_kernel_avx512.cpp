@@ -1,0 +1,1 @@
+#include "core/hex_kernel_body.h"

@@ -1,0 +1,59 @@
+// The step's matrix without the matrix:  A = diag(w) + sum_e s_e Y R_e K R_e^T  on a lattice of bricks.
+//
+// Node vectors stand in bricks (core/brick.h), zero at nodes that are fixed or not there; the result is zero there too.
+// Deterministic: the same bits for any number of threads; another instruction set gives another rounding.
+#pragma once
+
+#include "core/aligned_array.h"
+#include "core/brick_lattice.h"
+#include "core/hadamard_hex.h"
+
+namespace umax {
+
+/// A's values; S: float or double.
+template <class S>
+struct HexMatrix {
+  AlignedArray<S> frames;    // 9 per cell: sqrt(s_e Y) R_e row-major [sqrt(Pa)]
+  AlignedArray<S> diagonal;  // per node: w [N/m], e.g. mass / h^2; > 0 free, < 0 fixed, 0 where there is no node
+};
+
+template <class S>
+HexMatrix<S> make_hex_matrix(const BrickLattice& lattice);
+
+/// Lattice, box constants and kernels: what does not change from step to step.
+struct HexOperator {
+  const BrickLattice* lattice = nullptr;
+  HexConstants<double> constants;
+  HexConstants<float> float_constants;
+  InstructionSet instruction_set = InstructionSet::portable;
+};
+
+HexOperator make_hex_operator(const BrickLattice& lattice, const HexShape& box,
+                              InstructionSet instruction_set = best_instruction_set());
+
+/// out = A x; returns x . A x.
+template <class T, class S>
+double apply(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& x, AlignedArray<T>& out);
+
+/// out = b - A x; returns its squared norm (before rounding to float).
+template <class T, class S>
+double residual(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& b, const AlignedArray<T>& x,
+                AlignedArray<float>& out);
+
+/// Coefficients of next = keep x + momentum previous + gain D^-1 (b - A x).
+struct ChebyshevStep {
+  float keep = 1, momentum = 0, gain = 0;
+};
+
+/// Overwrites `previous` with the next iterate; inverse: D^-1 (6 per node). Returns b . next.
+double chebyshev(const HexOperator& op, const HexMatrix<float>& matrix, const AlignedArray<float>& inverse,
+                 const ChebyshevStep& step, const AlignedArray<float>& b, const AlignedArray<float>& x,
+                 AlignedArray<float>& previous);
+
+/// Node values (3 #N, Lattice's order) to bricks and back; slots: node_slots().
+template <class T>
+void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks);
+template <class T>
+void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
+
+}  // namespace umax
