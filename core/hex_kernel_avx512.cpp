@@ -1,1 +1,1 @@
-#include "core/hex_kernel_body.h"
+#include "core/multigrid_kernel_body.h"

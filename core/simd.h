@@ -68,7 +68,9 @@ UMAX_INLINE void store(S* to, Vec<T> v) {
 
 template <class T>
 UMAX_INLINE Vec<T> broadcast(T value) {
-  return Vec<T>{} + value;
+  Vec<T> v{};
+  for (int lane = 0; lane < width<T>; ++lane) v[lane] = value;
+  return v;
 }
 
 /// a b + c, rounded once where the instruction set can.

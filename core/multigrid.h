@@ -1,0 +1,57 @@
+// Geometric multigrid for the matrix-free operator: an approximate inverse of A that is symmetric and positive
+// definite, for conjugate gradients.
+//
+// A V-cycle. Coarse matrices are those of cells `factor` times larger (s: mean over the fine cells, 0 where there is
+// none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
+// Chebyshev polynomials in D^-1 A, D = 3 x 3 diagonal blocks, on [lambda / 8, lambda] with lambda the largest
+// eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are first coarsened along their short edges only.
+// The last level is factored (dense Cholesky).
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "core/hex_operator.h"
+#include "core/multigrid_kernel.h"
+
+namespace umax {
+
+struct MultigridOptions {
+  int degree = 2;  // of the smoothing polynomials: 3 for stiffness contrasts above 10, 4 above 1000
+  InstructionSet instruction_set = best_instruction_set();
+};
+
+struct MultigridLevel {
+  BrickLattice lattice;
+  HexShape shape;
+  HexOperator op;
+  HexMatrix<float> matrix;
+  AlignedArray<float> inverse;  // D^-1
+  AlignedArray<float> b;        // right-hand side; none on the first level
+  AlignedArray<float> x[2];     // iterates
+  std::vector<ChebyshevStep> steps;
+  Vector3i factor{2, 2, 2};             // to the next level
+  std::vector<BrickParents> parents;    // of the next level's bricks
+  std::vector<BrickChildren> children;  // of this level's bricks
+};
+
+struct Multigrid {
+  std::vector<MultigridLevel> levels;  // finest first; fill levels[0].matrix, then set_up()
+  std::vector<int> dense_slots;        // nodes of the last level
+  bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
+  Eigen::LLT<MatrixXd> dense;
+};
+
+/// Topology and memory for a lattice, whose cells have all the same Poisson's ratio.
+Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOptions& options = {});
+
+/// Everything that follows from levels[0].matrix. Values as small as 1 / 1000 of each other are fine.
+void set_up(Multigrid& multigrid);
+
+/// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
+const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);
+
+/// Bytes that make_multigrid() allocates.
+std::size_t memory(const Multigrid& multigrid);
+
+}  // namespace umax

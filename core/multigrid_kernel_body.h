@@ -1,0 +1,300 @@
+// The one source of these kernels: hex_kernel_<instruction set>.cpp includes it under its own compiler options.
+#pragma once
+
+#include "core/hex_kernel_body.h"
+#include "core/multigrid_kernel.h"
+
+namespace umax::UMAX_SIMD {
+
+using F = Vec<float>;
+inline constexpr int vectors = brick_lanes / width<float>;  // per line
+
+// what one line of cells adds to the blocks of the nodes along one of its edges: `lower` at k, `upper` at k + 1;
+// sx, sy: +1 where the edge is on the cells' upper side
+UMAX_INLINE void add_blocks(const HexConstants<float>& k, const F* q, float sx, float sy, F* lower, F* upper) {
+  constexpr int xx = 0, xy = 1, xz = 2, yy = 3, yz = 4, zz = 5;  // of k.corner
+  F x[3], y[3], z[3], ax[3], ay[3], az[3], b[3];
+  for (int r = 0; r < 3; ++r) {
+    x[r] = q[3 * r], y[r] = q[3 * r + 1], z[r] = q[3 * r + 2];
+    ax[r] = x[r] * k.corner[xx] + y[r] * (sx * sy * k.corner[xy]);
+    ay[r] = y[r] * k.corner[yy] + x[r] * (sx * sy * k.corner[xy]);
+    az[r] = z[r] * k.corner[zz];
+    b[r] = x[r] * (sx * k.corner[xz]) + y[r] * (sy * k.corner[yz]);
+  }
+  int next = 0;
+  for (int r = 0; r < 3; ++r)
+    for (int c = r; c < 3; ++c, ++next) {
+      const F even = ax[r] * x[c] + ay[r] * y[c] + az[r] * z[c];
+      const F odd = b[r] * z[c] + z[r] * b[c];
+      lower[next] += even - odd;
+      upper[next] += even + odd;
+    }
+}
+
+// symmetric 3 x 3 inverse by cofactors, 0 where test is not positive
+UMAX_INLINE void store_inverse(const F* d, F test, float* to) {
+  const F c00 = d[3] * d[5] - d[4] * d[4], c01 = d[2] * d[4] - d[1] * d[5], c02 = d[1] * d[4] - d[2] * d[3];
+  const F one_over_det = where_positive<float>(test, 1 / (d[0] * c00 + d[1] * c01 + d[2] * c02));
+  const F inverse[6] = {c00, c01, c02, d[0] * d[5] - d[2] * d[2], d[1] * d[2] - d[0] * d[4], d[0] * d[3] - d[1] * d[1]};
+  for (int r = 0; r < inverse_components; ++r)
+    store<float>(to + r * brick_lanes, where_positive<float>(test, inverse[r] * one_over_det));
+}
+
+inline void invert_blocks(const BlockInversion& task, int first, int last) {
+  F above[brick_lines][inverse_components];
+  for (int index = first; index < last; ++index) {
+    const Brick& brick = task.bricks[index];
+    if (!brick.continues) __builtin_memset(above, 0, sizeof(above));
+    for (int line = 0; line < brick_lines; ++line)
+      for (int v = 0; v < vectors; ++v) {
+        F lower[inverse_components] = {}, upper[inverse_components] = {};
+        for (int di = 0; di < 2; ++di)
+          for (int dj = 0; dj < 2; ++dj) {
+            const int i = line / brick_edge - di, j = line % brick_edge - dj;
+            const int other = brick.near[near_index(brick_step(i), brick_step(j), 0)];
+            const int other_line = brick_edge * (i & (brick_edge - 1)) + (j & (brick_edge - 1));
+            if (!(task.bricks[other].cell_lines >> other_line & 1)) continue;
+            const float* frames = task.frames + line_offset(other, other_line, frame_components) + v * width<float>;
+            F q[frame_components];
+            for (int r = 0; r < frame_components; ++r) q[r] = load<float>(frames + r * brick_lanes);
+            add_blocks(*task.constants, q, di ? 1.f : -1.f, dj ? 1.f : -1.f, lower, upper);
+          }
+        const std::size_t slot = line_offset(index, line, 1);
+        const F w = load<float>(task.diagonal + slot + v * width<float>);
+        for (int r = 0; r < inverse_components; ++r) {
+          lower[r] += shift_up(above[line][r], upper[r]);
+          above[line][r] = upper[r];
+        }
+        lower[0] += w, lower[3] += w, lower[5] += w;
+        store_inverse(lower, w, task.inverse + inverse_components * slot + v * width<float>);
+      }
+  }
+}
+
+UMAX_INLINE F square_root(F v) {
+  for (int lane = 0; lane < width<float>; ++lane) v[lane] = __builtin_sqrtf(v[lane]);
+  return v;
+}
+
+// Polar factors by Newton's iteration X <- (X + X^-T) / 2; a bit of the result is set where that did not end in a
+// rotation. Matrices of norm sqrt(3) come in.
+UMAX_INLINE unsigned polar(F* X) {
+  constexpr int iterations = 6;
+  F error{};
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    F C[9];
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+        C[3 * r + c] = X[3 * r1 + c1] * X[3 * r2 + c2] - X[3 * r1 + c2] * X[3 * r2 + c1];
+      }
+    const F half_over_det = 0.5f / (X[0] * C[0] + X[1] * C[1] + X[2] * C[2]);
+    error = F{} - 3;
+    for (int r = 0; r < 9; ++r) {
+      X[r] = 0.5f * X[r] + half_over_det * C[r];
+      error += X[r] * X[r];
+    }
+    error = where_positive<float>(half_over_det, error + 1) - 1;  // improper: -1
+  }
+  unsigned unresolved = 0;
+  for (int lane = 0; lane < width<float>; ++lane)
+    unresolved |= unsigned(!(error[lane] < 1e-4f && error[lane] > -1e-4f)) << lane;
+  return unresolved;
+}
+
+// a line of coarse cells: sums of s and of s R over the fine ones
+struct CoarseLine {
+  float stiffness[brick_lanes] = {};
+  float frames[frame_components][brick_lanes] = {};
+};
+
+inline void add_fine_line(const float* fine, int factor, int offset, CoarseLine& line) {
+  float weighted[frame_components + 1][brick_lanes];
+  for (int k = 0; k < brick_lanes; ++k) {
+    float squared = 0;
+    for (int r = 0; r < frame_components; ++r) squared += fine[r * brick_lanes + k] * fine[r * brick_lanes + k];
+    weighted[frame_components][k] = squared / 3;
+  }
+  for (int k = 0; k < brick_lanes; ++k) {
+    const float root = __builtin_sqrtf(weighted[frame_components][k]);
+    for (int r = 0; r < frame_components; ++r) weighted[r][k] = root * fine[r * brick_lanes + k];
+  }
+  for (int r = 0; r <= frame_components; ++r) {
+    float* to = r < frame_components ? line.frames[r] : line.stiffness;
+    if (factor == 1)
+      for (int k = 0; k < brick_lanes; ++k) to[k] += weighted[r][k];
+    else
+      for (int k = 0; k < brick_lanes / 2; ++k) to[offset + k] += weighted[r][2 * k] + weighted[r][2 * k + 1];
+  }
+}
+
+// to sqrt(mean s) times the polar factor; returns the cells for which it failed
+inline unsigned finish_coarse_line(const CoarseLine& line, float num_fine, float* out) {
+  unsigned unresolved = 0;
+  for (int v = 0; v < vectors; ++v) {
+    const int lane = v * width<float>;
+    F X[frame_components], squared{};
+    for (int r = 0; r < frame_components; ++r) {
+      X[r] = load<float>(line.frames[r] + lane);
+      squared += X[r] * X[r];
+    }
+    const F s = load<float>(line.stiffness + lane) / num_fine;
+    // where rotations cancel, and where there is no cell: the identity
+    const F is_clear = squared - 1e-12f * (num_fine * num_fine) * s * s;
+    const F scale = 1.7320508f / square_root(squared);
+    for (int r = 0; r < frame_components; ++r) X[r] = is_clear > 0 ? X[r] * scale : F{} + (r % 4 == 0 ? 1.f : 0.f);
+    F before[frame_components];
+    for (int r = 0; r < frame_components; ++r) before[r] = X[r];
+    const unsigned failed = polar(X);
+    unresolved |= failed << lane;
+    const F root = square_root(s);
+    for (int r = 0; r < frame_components; ++r) {
+      for (int i = 0; i < width<float>; ++i)
+        if (failed >> i & 1) X[r][i] = before[r][i];
+      store<float>(out + r * brick_lanes + lane, root * X[r]);
+    }
+  }
+  return unresolved;
+}
+
+inline void coarsen_frames(const FrameCoarsening& task, int first, int last) {
+  const Transfer& t = task.transfer;
+  for (int index = first; index < last; ++index)
+    for (int line = 0; line < brick_lines; ++line) {
+      if (!(t.coarse_bricks[index].cell_lines >> line & 1)) continue;
+      CoarseLine sums;
+      for (int a = 0; a < t.factor[0]; ++a)
+        for (int b = 0; b < t.factor[1]; ++b)
+          for (int half = 0; half < t.factor[2]; ++half) {
+            const int i = t.factor[0] * (line / brick_edge) + a, j = t.factor[1] * (line % brick_edge) + b;
+            const int parent = (i / brick_edge + 1) * 9 + (j / brick_edge + 1) * 3 + half + 1;
+            const int fine = t.parents[index].fine[parent];
+            if (fine == 0) continue;
+            const int fine_line = brick_edge * (i % brick_edge) + j % brick_edge;
+            add_fine_line(task.fine + line_offset(fine, fine_line, frame_components), t.factor[2],
+                          half * brick_lanes / 2, sums);
+          }
+      task.unresolved[index * brick_lines + line] =
+          std::uint16_t(finish_coarse_line(sums, float(t.factor[0] * t.factor[1] * t.factor[2]),
+                                           task.coarse + line_offset(index, line, frame_components)));
+    }
+}
+
+// fine line (i, j), counted from a coarse brick's first: its values at k = -1 .. 16 factor - 1, weighted, into sums[k +
+// 1]
+inline void add_weighted_line(const Transfer& t, const BrickParents& parents, int i, int j, const float* fine,
+                              int component, int components, float weight, float* sums) {
+  const int column = ((i + brick_edge) / brick_edge) * 9 + ((j + brick_edge) / brick_edge) * 3;
+  const int line = brick_edge * (i & (brick_edge - 1)) + (j & (brick_edge - 1));
+  const auto values = [&](int dk) {
+    return fine + line_offset(parents.fine[column + dk + 1], line, components) + component * brick_lanes;
+  };
+  if (t.factor[2] == 2) sums[0] += weight * values(-1)[brick_lanes - 1];
+  for (int dk = 0; dk < t.factor[2]; ++dk) {
+    const float* from = values(dk);
+    for (int k = 0; k < brick_lanes; ++k) sums[1 + dk * brick_lanes + k] += weight * from[k];
+  }
+}
+
+inline void restrict_nodes(const Transfer& t, const float* fine, float* coarse, int components, int first, int last) {
+  for (int index = first; index < last; ++index)
+    for (int line = 0; line < brick_lines; ++line) {
+      if (!(t.coarse_bricks[index].node_lines >> line & 1)) continue;
+      const int i = t.factor[0] * (line / brick_edge), j = t.factor[1] * (line % brick_edge);
+      const int ri = t.factor[0] - 1, rj = t.factor[1] - 1;  // reach of the weights
+      for (int c = 0; c < components; ++c) {
+        float sums[2 * brick_lanes + 1] = {};
+        for (int di = -ri; di <= ri; ++di)
+          for (int dj = -rj; dj <= rj; ++dj)
+            add_weighted_line(t, t.parents[index], i + di, j + dj, fine, c, components,
+                              (di ? 0.5f : 1.f) * (dj ? 0.5f : 1.f), sums);
+        float* to = coarse + line_offset(index, line, components) + c * brick_lanes;
+        if (t.factor[2] == 1)
+          for (int k = 0; k < brick_lanes; ++k) to[k] = sums[1 + k];
+        else
+          for (int k = 0; k < brick_lanes; ++k) to[k] = sums[2 * k + 1] + 0.5f * (sums[2 * k] + sums[2 * k + 2]);
+      }
+    }
+}
+
+inline void prolong(const Transfer& t, const float* coarse, const float* diagonal, float* fine, int first, int last) {
+  for (int index = first; index < last; ++index) {
+    const BrickChildren& children = t.children[index];
+    for (int line = 0; line < brick_lines; ++line) {
+      if (!(t.fine_bricks[index].node_lines >> line & 1)) continue;
+      const int i = line / brick_edge + brick_edge * children.half[0],
+                j = line % brick_edge + brick_edge * children.half[1];
+      const int ni = i % t.factor[0] + 1, nj = j % t.factor[1] + 1;  // coarse lines on both sides, or one
+      const float weight = 1.f / float(ni * nj);
+      for (int c = 0; c < 3; ++c) {
+        float sums[brick_lanes + 1] = {};
+        for (int a = 0; a < ni; ++a)
+          for (int b = 0; b < nj; ++b) {
+            const int ci = i / t.factor[0] + a, cj = j / t.factor[1] + b;
+            const int column = 4 * (ci / brick_edge) + 2 * (cj / brick_edge);
+            const int coarse_line = brick_edge * (ci % brick_edge) + cj % brick_edge;
+            const auto values = [&](int dk) {
+              return coarse + line_offset(children.coarse[column + dk], coarse_line, 3) + c * brick_lanes;
+            };
+            const float* from = values(0);
+            for (int k = 0; k < brick_lanes; ++k) sums[k] += weight * from[k];
+            sums[brick_lanes] += weight * values(1)[0];
+          }
+        float* to = fine + line_offset(index, line, 3) + c * brick_lanes;
+        const float* w = diagonal + line_offset(index, line, 1);
+        const int start = t.factor[2] == 2 ? brick_lanes / 2 * children.half[2] : 0;
+        float steps[brick_lanes];
+        for (int k = 0; k < brick_lanes / 2; ++k)
+          if (t.factor[2] == 2) {
+            steps[2 * k] = sums[start + k];
+            steps[2 * k + 1] = 0.5f * (sums[start + k] + sums[start + k + 1]);
+          } else {
+            steps[2 * k] = sums[2 * k];
+            steps[2 * k + 1] = sums[2 * k + 1];
+          }
+        for (int k = 0; k < brick_lanes; ++k) to[k] += w[k] > 0 ? steps[k] : 0.f;
+      }
+    }
+  }
+}
+
+inline void block_jacobi(const float* inverse, const float* b, float gain, float* x, int first, int last) {
+  for (std::size_t line = std::size_t(first) * brick_lines; line < std::size_t(last) * brick_lines; ++line)
+    for (int lane = 0; lane < brick_lanes; lane += width<float>) {
+      F d[inverse_components], r[3];
+      for (int q = 0; q < inverse_components; ++q)
+        d[q] = load<float>(inverse + (line * inverse_components + q) * brick_lanes + lane);
+      for (int c = 0; c < 3; ++c) r[c] = gain * load<float>(b + (line * 3 + c) * brick_lanes + lane);
+      const F z[3] = {d[0] * r[0] + d[1] * r[1] + d[2] * r[2], d[1] * r[0] + d[3] * r[1] + d[4] * r[2],
+                      d[2] * r[0] + d[4] * r[1] + d[5] * r[2]};
+      for (int c = 0; c < 3; ++c) store<float>(x + (line * 3 + c) * brick_lanes + lane, z[c]);
+    }
+}
+
+inline constexpr std::size_t brick_values = brick_slots * vector_components;
+
+inline void turn(const float* z, float beta, float* p, int first, int last) {
+  for (std::size_t i = first * brick_values; i < last * brick_values; i += width<float>)
+    store<float>(p + i, load<float>(z + i) + beta * load<float>(p + i));
+}
+
+inline double advance(const float* p, const float* q, float alpha, float* x, float* r, int first, int last) {
+  double total = 0;
+  for (int index = first; index < last; ++index) {
+    F sum{};
+    for (std::size_t i = index * brick_values; i < (index + 1) * brick_values; i += width<float>) {
+      store<float>(x + i, load<float>(x + i) + alpha * load<float>(p + i));
+      const F next = load<float>(r + i) - alpha * load<float>(q + i);
+      store<float>(r + i, next);
+      sum = multiply_add(next, next, sum);
+    }
+    total += sum_of_lanes<float>(sum);
+  }
+  return total;
+}
+
+extern const MultigridKernels more_kernels;
+constexpr MultigridKernels more_kernels = {invert_blocks, coarsen_frames, restrict_nodes, prolong,
+                                           block_jacobi,  turn,           advance};
+
+}  // namespace umax::UMAX_SIMD

@@ -1,0 +1,112 @@
+// Multigrid-preconditioned conjugate gradients against the direct solver.
+#include "core/conjugate_gradient.h"
+
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/sparse_cholesky.h"
+#include "tests/support/bodies.h"
+#include "tests/support/catch.h"
+#include "tests/support/hex_samples.h"
+#include "tests/support/hex_systems.h"
+
+using namespace umax;
+using test::HexSystem;
+using test::HexSystemOptions;
+using test::Random;
+
+namespace {
+
+struct Solution {
+  VectorXd x;
+  ConjugateGradientReport report;
+};
+
+Multigrid multigrid_of(const HexSystem& system, const MultigridOptions& options) {
+  Multigrid multigrid = make_multigrid(system.bricks, system.shape.poisson, options);
+  multigrid.levels.front().matrix = system.matrix<float>();
+  set_up(multigrid);
+  return multigrid;
+}
+
+Solution solve(const HexSystem& system, const VectorXd& b, double tolerance, const MultigridOptions& options) {
+  Multigrid multigrid = multigrid_of(system, options);
+  const HexMatrix<double> exact = system.matrix<double>();
+  ConjugateGradientWorkspace workspace = make_workspace(multigrid);
+  AlignedArray<double> bs(system.bricks.num_slots() * vector_components), xs(bs.size());
+  to_bricks(system.node_slots, b, bs);
+  Solution solution;
+  solution.report = umax::solve(multigrid, &exact, {.tolerance = tolerance}, bs, workspace, xs);
+  from_bricks(system.node_slots, xs, solution.x);
+  return solution;
+}
+
+struct Case {
+  HexSystemOptions system;
+  int most_iterations = 0;  // to 1e-8
+  int degree = 2;
+};
+
+std::vector<Case> cases() {
+  Random random(4);
+  const auto block = test::box_cells({14, 14, 14});
+  Cells islands(3, 3);
+  islands << 0, 0, 0, 3, 3, 3, 3, 3, 4;
+  Cells plates = test::box_cells({12, 16, 16});
+  Cells thin(2 * 2 * 256, 3);  // two plates, two cells thick, with a gap
+  int count = 0;
+  for (int e = 0; e < plates.rows(); ++e)
+    if (plates(e, 0) % 6 < 2) thin.row(count++) = plates.row(e);
+  return {
+      {{.name = "a single hex", .cells = test::box_cells({1, 1, 1}), .turn = 1}, 4},
+      {{.name = "a block at rest", .cells = block, .fix_low_x = true}, 10},
+      {{.name = "a bent block", .cells = block, .bend = 1.6, .fix_low_x = true}, 10},
+      {{.name = "a free bent block of short time step", .cells = block, .inverse_time_squared = 4e6, .bend = 1.6}, 8},
+      {{.name = "contrast 300",
+        .cells = block,
+        .bend = 1.6,
+        .multipliers = {1, 1, 1, 1, 1, 1, 1, 1, 1, 10, 300},
+        .fix_low_x = true},
+       40,
+       3},
+      {{.name = "holes", .cells = test::with_holes(block, 0.15, random), .bend = 1, .fix_low_x = true}, 14},
+      {{.name = "half holes", .cells = test::with_holes(block, 0.5, random), .bend = 1, .share_fixed = 0.01}, 40},
+      {{.name = "thin plates", .cells = thin, .bend = 0.5}, 30},
+      {{.name = "a rod", .cells = test::box_cells({96, 2, 2}), .bend = 1.6, .fix_low_x = true}, 20},
+      {{.name = "islands", .cells = islands, .turn = 1}, 6},
+      {{.name = "flat cells 1:10",
+        .cells = test::box_cells({10, 10, 20}),
+        .cell_size = {0.1, 0.1, 0.01},
+        .bend = 0.5,
+        .fix_low_x = true},
+       30},
+      {{.name = "nearly incompressible", .cells = block, .poisson = 0.45, .bend = 1, .fix_low_x = true}, 20},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("multigrid gives the direct solver's solution in a bounded number of iterations") {
+  for (const Case& c : cases()) {
+    const HexSystem system = test::make_hex_system(c.system);
+    Random random(8);
+    VectorXd b = system.random_vector(random);
+    for (Eigen::Index n = 0; n < b.size() / 3; ++n)
+      b.segment<3>(3 * n) += system.fixed[n] ? Vector3d(Vector3d::Zero()) : Vector3d(0, -3, 1);
+    SparseCholesky cholesky;
+    REQUIRE(cholesky.factorize(system.assembled));
+    MatrixXd expected = b;
+    cholesky.solve(expected);
+    const Solution solution = solve(system, b, 1e-10, {.degree = c.degree});
+    const double residual = (multiply(system.assembled, solution.x) - b).norm() / b.norm();
+    const int to_1e8 = solve(system, b, 1e-8, {.degree = c.degree}).report.iterations;
+    INFO(c.system.name << ", " << system.lattice.num_hexes() << " hexes: " << to_1e8 << " iterations to 1e-8");
+    CHECK(solution.report.converged);
+    CHECK(residual < 1.01e-10);
+    CHECK((solution.x - expected).norm() < 1e-8 * expected.norm());
+    CHECK(to_1e8 <= c.most_iterations);
+    if (std::getenv("UMAX_TELL")) WARN(c.system.name << " " << system.lattice.num_hexes() << " hexes: " << to_1e8 << " iterations, error " << (solution.x - expected).norm() / expected.norm());
+  }
+}
