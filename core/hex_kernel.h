@@ -29,8 +29,9 @@ enum class Epilogue {
   apply,      // out = A x; returns x . A x
   residual,   // out = b - A x; returns its squared norm
   chebyshev,  // out = keep x + momentum out + gain D^-1 (b - A x); returns b . out
+  force,      // out = b - sum_e Q_e K Q_e^T (x - R_e X), X the hex at rest: x are positions, w is no part of it
 };
-inline constexpr int num_epilogues = 3;
+inline constexpr int num_epilogues = 4;
 
 /// Arithmetic in T, the matrix stored as S.
 template <class T, class S>
@@ -44,6 +45,7 @@ struct Sweep {
   const float* inverse = nullptr;  // D^-1, 6 per node
   void* out = nullptr;             // T; float where the epilogue is a residual. Not x
   T keep = 0, momentum = 0, gain = 0;
+  T rest[3] = {};  // what X has in the modes x_x, y_y, z_z: 4 times the cell's size
 };
 
 /// Runs the bricks [first, last), whole columns, and returns the epilogue's sum.

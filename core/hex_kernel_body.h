@@ -51,6 +51,7 @@ template <class T>
 struct Lanes {
   HexConstants<Vec<T>> hex;
   Vec<T> keep, momentum, gain;
+  Vec<T> rest[3];
 };
 
 template <class T, class S>
@@ -65,6 +66,7 @@ UMAX_INLINE Lanes<T> broadcast_all(const Sweep<T, S>& sweep) {
   lanes.keep = broadcast<T>(sweep.keep);
   lanes.momentum = broadcast<T>(sweep.momentum);
   lanes.gain = broadcast<T>(sweep.gain);
+  for (int axis = 0; axis < 3; ++axis) lanes.rest[axis] = broadcast<T>(sweep.rest[axis]);
   return lanes;
 }
 
@@ -179,6 +181,20 @@ UMAX_INLINE void transform_cells(Frame<V>& frame, const V* after, const V* befor
   end_of_stage(modes[half]);
 }
 
+// from positions to displacements: less what the hex at rest has, times the frame's length sqrt(s)
+template <class T, class S>
+UMAX_INLINE void subtract_rest(const Lanes<T>& lanes, const S* frames, Vec<T> (&modes)[8][3]) {
+  Vec<T> squared{};
+  for (int r = 0; r < 9; ++r) {
+    const Vec<T> q = load<T>(frames + r * brick_lanes);
+    squared = multiply_add(q, q, squared);
+  }
+  const Vec<T> root = square_root<T>(squared / 3);
+  modes[4][0] -= root * lanes.rest[0];
+  modes[2][1] -= root * lanes.rest[1];
+  modes[1][2] -= root * lanes.rest[2];
+}
+
 // forces in modes `half` and 4 + half back to the planes: `lower` becomes what the lower one has so far with these
 // cells, `upper` what the upper one gets
 template <class V>
@@ -210,6 +226,13 @@ UMAX_INLINE void finish(const Sweep<T, S>& sweep, const Lanes<T>& lanes, std::si
   using V = Vec<T>;
   const std::size_t at = vector_components * slot + lane;
   const V w = load<T>(sweep.diagonal + slot + lane);
+  if constexpr (E == Epilogue::force) {
+    for (int c = 0; c < 3; ++c) {
+      const V f = load<T>(sweep.b + at + c * brick_lanes) - y[c];
+      store<T>(static_cast<T*>(sweep.out) + at + c * brick_lanes, where_positive<T>(w, f));
+    }
+    return;
+  }
   V x[3];
   for (int c = 0; c < 3; ++c) {
     x[c] = load<T>(sweep.x + at + c * brick_lanes);
@@ -273,6 +296,7 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
 #pragma GCC unroll 4
         for (int half = 0; half < 4; ++half) transform_cells(frame, after[half], before[half], half, modes);
       }
+      if constexpr (E == Epilogue::force) subtract_rest<T>(lanes, frames + v * width<T>, modes);
       multiply_stiffness(lanes.hex, modes);
       end_of_stage(modes);
       Frame<V> frame = load_frame<T>(frames + v * width<T>);
@@ -341,6 +365,7 @@ constexpr void fill(SweepFunction<T, S>* table) {
   table[int(Epilogue::apply)] = sweep_bricks<T, S, Epilogue::apply>;
   table[int(Epilogue::residual)] = sweep_bricks<T, S, Epilogue::residual>;
   table[int(Epilogue::chebyshev)] = sweep_bricks<T, S, Epilogue::chebyshev>;
+  table[int(Epilogue::force)] = sweep_bricks<T, S, Epilogue::force>;
 }
 
 constexpr HexKernels make_kernels() {

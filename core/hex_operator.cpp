@@ -1,7 +1,11 @@
 #include "core/hex_operator.h"
 
 #include <cassert>
+#include <cmath>
 #include <type_traits>
+
+#include "core/multigrid_kernel.h"
+#include "core/rotation.h"
 
 namespace umax {
 namespace {
@@ -75,6 +79,43 @@ double chebyshev(const HexOperator& op, const HexMatrix<float>& matrix, const Al
   return run(op, matrix, Epilogue::chebyshev, sweep);
 }
 
+template <class S>
+void force(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<double>& external,
+           const AlignedArray<double>& positions, AlignedArray<double>& out) {
+  Sweep<double, S> sweep;
+  sweep.x = positions.data();
+  sweep.b = external.data();
+  sweep.out = out.data();
+  for (int axis = 0; axis < 3; ++axis) sweep.rest[axis] = 4 * op.lattice->cell_size[axis];
+  run(op, matrix, Epilogue::force, sweep);
+}
+
+void set_frames(const HexOperator& op, const AlignedArray<double>& positions, const AlignedArray<float>& stiffness,
+                HexMatrix<float>& matrix) {
+  std::vector<std::uint16_t> unresolved(op.lattice->bricks.size() * brick_lines, 0);
+  RotationSearch task{op.lattice->bricks.data(), positions.data(), stiffness.data(), {},
+                      matrix.frames.data(),      unresolved.data()};
+  for (int axis = 0; axis < 3; ++axis) task.quarter_over_size[axis] = 0.25 / op.lattice->cell_size[axis];
+  const MultigridKernels& kernels = multigrid_kernels(op.instruction_set);
+  for_each_column(*op.lattice, [&](int first, int last) {
+    kernels.find_rotations(task, first, last);
+    return 0.0;
+  });
+  resolve_frames(unresolved, matrix.frames);  // collapsed or inside out
+}
+
+void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>& frames) {
+  for (std::size_t line = 0; line < masks.size(); ++line)
+    for (int lane = 0; lane < brick_lanes; ++lane) {
+      if (!(masks[line] >> lane & 1)) continue;
+      float* frame = frames.data() + line * frame_components * brick_lanes + lane;
+      Matrix3d Q;
+      for (int r = 0; r < 9; ++r) Q(r / 3, r % 3) = double(frame[r * brick_lanes]);
+      const Matrix3d R = std::sqrt(Q.squaredNorm() / 3) * polar_rotation(Q);
+      for (int r = 0; r < 9; ++r) frame[r * brick_lanes] = float(R(r / 3, r % 3));
+    }
+}
+
 template <class T>
 void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks) {
   for (std::size_t node = 0; node < slots.size(); ++node)
@@ -102,6 +143,10 @@ template double residual(const HexOperator&, const HexMatrix<float>&, const Alig
                          const AlignedArray<double>&, AlignedArray<float>&);
 template double residual(const HexOperator&, const HexMatrix<double>&, const AlignedArray<double>&,
                          const AlignedArray<double>&, AlignedArray<float>&);
+template void force(const HexOperator&, const HexMatrix<float>&, const AlignedArray<double>&,
+                    const AlignedArray<double>&, AlignedArray<double>&);
+template void force(const HexOperator&, const HexMatrix<double>&, const AlignedArray<double>&,
+                    const AlignedArray<double>&, AlignedArray<double>&);
 template void to_bricks(const std::vector<int>&, const VectorXd&, AlignedArray<float>&);
 template void to_bricks(const std::vector<int>&, const VectorXd&, AlignedArray<double>&);
 template void from_bricks(const std::vector<int>&, const AlignedArray<float>&, VectorXd&);

@@ -50,6 +50,19 @@ double chebyshev(const HexOperator& op, const HexMatrix<float>& matrix, const Al
                  const ChebyshevStep& step, const AlignedArray<float>& b, const AlignedArray<float>& x,
                  AlignedArray<float>& previous);
 
+/// out = external - elastic forces at these positions: sum_e s_e R_e K (R_e^T x - X).
+template <class S>
+void force(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<double>& external,
+           const AlignedArray<double>& positions, AlignedArray<double>& out);
+
+/// Sets the frames: R_e from the deformation gradient at each cell's centre, s_e from `stiffness` (s Y per cell [Pa]).
+void set_frames(const HexOperator& op, const AlignedArray<double>& positions, const AlignedArray<float>& stiffness,
+                HexMatrix<float>& matrix);
+
+/// Where masks (64 per brick) have a bit set, the frame is sqrt(s) times any matrix of norm sqrt(3): makes it one of
+/// that matrix's polar factor (core/rotation.h).
+void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>& frames);
+
 /// Node values (3 #N, Lattice's order) to bricks and back; slots: node_slots().
 template <class T>
 void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks);

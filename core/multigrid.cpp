@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/rotation.h"
-
 namespace umax {
 namespace {
 
@@ -90,25 +88,12 @@ void restrict_to(const MultigridLevel& fine, const AlignedArray<float>& from, Mu
   });
 }
 
-// cells whose rotations nearly cancel, or that are turned inside out
-void resolve_frames(const std::vector<std::uint16_t>& unresolved, AlignedArray<float>& frames) {
-  for (std::size_t line = 0; line < unresolved.size(); ++line)
-    for (int lane = 0; lane < brick_lanes; ++lane) {
-      if (!(unresolved[line] >> lane & 1)) continue;
-      float* frame = frames.data() + line * frame_components * brick_lanes + lane;
-      Matrix3d Q;
-      for (int r = 0; r < 9; ++r) Q(r / 3, r % 3) = double(frame[r * brick_lanes]);
-      const Matrix3d R = std::sqrt(Q.squaredNorm() / 3) * polar_rotation(Q);
-      for (int r = 0; r < 9; ++r) frame[r * brick_lanes] = float(R(r / 3, r % 3));
-    }
-}
-
 void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
   std::vector<std::uint16_t> unresolved(coarse.lattice.bricks.size() * brick_lines, 0);
   const FrameCoarsening task{transfer_between(fine, coarse), fine.matrix.frames.data(), coarse.matrix.frames.data(),
                              unresolved.data()};
   run(coarse.lattice, [&](int first, int last) { kernels_of(fine).coarsen_frames(task, first, last); });
-  resolve_frames(unresolved, coarse.matrix.frames);
+  resolve_frames(unresolved, coarse.matrix.frames);  // rotations that nearly cancel
 
   // masses, those of fixed nodes included; then which nodes are fixed
   AlignedArray<float>& weights = fine.x[0];  // free at this time, and large enough

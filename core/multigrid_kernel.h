@@ -42,9 +42,20 @@ struct FrameCoarsening {
   std::uint16_t* unresolved = nullptr;  // 64 masks per brick: cells left as sqrt(s) times a matrix that is no rotation
 };
 
+/// Frames sqrt(s) R of cells, R the polar factor of the deformation gradient at the centre.
+struct RotationSearch {
+  const Brick* bricks = nullptr;
+  const double* positions = nullptr;  // 3 per node
+  const float* stiffness = nullptr;   // s per cell, 0 where there is none
+  double quarter_over_size[3] = {};   // 1 / (4 cell_size)
+  float* frames = nullptr;
+  std::uint16_t* unresolved = nullptr;  // as in FrameCoarsening
+};
+
 struct MultigridKernels {
   void (*invert_blocks)(const BlockInversion&, int first, int last) = nullptr;
   void (*coarsen_frames)(const FrameCoarsening&, int first, int last) = nullptr;
+  void (*find_rotations)(const RotationSearch&, int first, int last) = nullptr;
   /// coarse = P^T fine for `components` (3 or 1) per node, over coarse bricks.
   void (*restrict_nodes)(const Transfer&, const float* fine, float* coarse, int components, int first,
                          int last) = nullptr;

@@ -71,11 +71,6 @@ inline void invert_blocks(const BlockInversion& task, int first, int last) {
   }
 }
 
-UMAX_INLINE F square_root(F v) {
-  for (int lane = 0; lane < width<float>; ++lane) v[lane] = __builtin_sqrtf(v[lane]);
-  return v;
-}
-
 // Polar factors by Newton's iteration X <- (X + X^-T) / 2; a bit of the result is set where that did not end in a
 // rotation. Matrices of norm sqrt(3) come in.
 UMAX_INLINE unsigned polar(F* X) {
@@ -128,26 +123,26 @@ inline void add_fine_line(const float* fine, int factor, int offset, CoarseLine&
   }
 }
 
-// to sqrt(mean s) times the polar factor; returns the cells for which it failed
-inline unsigned finish_coarse_line(const CoarseLine& line, float num_fine, float* out) {
+// a line of frames: sqrt(s) times the polar factors of matrices, where sum of squares > clear; else of the identity.
+// Returns the cells for which it failed: those keep the matrix, scaled to the norm of a rotation
+inline unsigned store_frames(const float (&matrices)[frame_components][brick_lanes], const float* stiffness,
+                             const float* clear, float* out) {
   unsigned unresolved = 0;
   for (int v = 0; v < vectors; ++v) {
     const int lane = v * width<float>;
-    F X[frame_components], squared{};
+    F X[frame_components], before[frame_components], squared{};
     for (int r = 0; r < frame_components; ++r) {
-      X[r] = load<float>(line.frames[r] + lane);
+      X[r] = load<float>(matrices[r] + lane);
       squared += X[r] * X[r];
     }
-    const F s = load<float>(line.stiffness + lane) / num_fine;
-    // where rotations cancel, and where there is no cell: the identity
-    const F is_clear = squared - 1e-12f * (num_fine * num_fine) * s * s;
-    const F scale = 1.7320508f / square_root(squared);
-    for (int r = 0; r < frame_components; ++r) X[r] = is_clear > 0 ? X[r] * scale : F{} + (r % 4 == 0 ? 1.f : 0.f);
-    F before[frame_components];
-    for (int r = 0; r < frame_components; ++r) before[r] = X[r];
-    const unsigned failed = polar(X);
+    const F is_clear = squared - load<float>(clear + lane), scale = 1.7320508f / square_root<float>(squared);
+    for (int r = 0; r < frame_components; ++r)
+      before[r] = X[r] = is_clear > 0 ? X[r] * scale : F{} + (r % 4 == 0 ? 1.f : 0.f);
+    unsigned failed = polar(X);
+    for (int i = 0; i < width<float>; ++i)
+      if (!(stiffness[lane + i] > 0)) failed &= ~(1u << i);
     unresolved |= failed << lane;
-    const F root = square_root(s);
+    const F root = square_root<float>(load<float>(stiffness + lane));
     for (int r = 0; r < frame_components; ++r) {
       for (int i = 0; i < width<float>; ++i)
         if (failed >> i & 1) X[r][i] = before[r][i];
@@ -174,9 +169,62 @@ inline void coarsen_frames(const FrameCoarsening& task, int first, int last) {
             add_fine_line(task.fine + line_offset(fine, fine_line, frame_components), t.factor[2],
                           half * brick_lanes / 2, sums);
           }
+      const float num_fine = float(t.factor[0] * t.factor[1] * t.factor[2]);
+      float clear[brick_lanes];
+      for (int k = 0; k < brick_lanes; ++k) {
+        clear[k] = 1e-12f * sums.stiffness[k] * sums.stiffness[k];
+        sums.stiffness[k] /= num_fine;
+      }
+      task.unresolved[index * brick_lines + line] = std::uint16_t(
+          store_frames(sums.frames, sums.stiffness, clear, task.coarse + line_offset(index, line, frame_components)));
+    }
+}
+
+// differences along x, y, z at the cells' centres of the node positions of one line of cells
+inline void centre_differences(const double* const (&lines)[4], const double* const (&next)[4], int component,
+                               double (&d)[3][brick_lanes]) {
+  double p[4][brick_lanes + 1];
+  for (int n = 0; n < 4; ++n) {
+    for (int k = 0; k < brick_lanes; ++k) p[n][k] = lines[n][component * brick_lanes + k];
+    p[n][brick_lanes] = next[n][component * brick_lanes];
+  }
+  for (int k = 0; k < brick_lanes; ++k) {
+    double sum[4], rise = 0;
+    for (int n = 0; n < 4; ++n) {
+      sum[n] = p[n][k] + p[n][k + 1];
+      rise += p[n][k + 1] - p[n][k];
+    }
+    d[0][k] = (sum[2] + sum[3]) - (sum[0] + sum[1]);
+    d[1][k] = (sum[1] + sum[3]) - (sum[0] + sum[2]);
+    d[2][k] = rise;
+  }
+}
+
+inline void find_rotations(const RotationSearch& task, int first, int last) {
+  for (int index = first; index < last; ++index)
+    for (int line = 0; line < brick_lines; ++line) {
+      const Brick& brick = task.bricks[index];
+      if (!(brick.cell_lines >> line & 1)) continue;
+      const double *lines[4], *next[4];
+      for (int n = 0; n < 4; ++n) {
+        const int i = line / brick_edge + (n >> 1), j = line % brick_edge + (n & 1);
+        const int at = brick_edge * (i % brick_edge) + j % brick_edge;
+        const int step = near_index(i / brick_edge, j / brick_edge, 0);
+        lines[n] = task.positions + line_offset(brick.near[step], at, vector_components);
+        next[n] = task.positions + line_offset(brick.near[step + 1], at, vector_components);
+      }
+      float gradients[frame_components][brick_lanes];
+      for (int c = 0; c < 3; ++c) {
+        double d[3][brick_lanes];
+        centre_differences(lines, next, c, d);
+        for (int axis = 0; axis < 3; ++axis)
+          for (int k = 0; k < brick_lanes; ++k)
+            gradients[3 * c + axis][k] = float(d[axis][k] * task.quarter_over_size[axis]);
+      }
+      const float collapsed[brick_lanes] = {};
       task.unresolved[index * brick_lines + line] =
-          std::uint16_t(finish_coarse_line(sums, float(t.factor[0] * t.factor[1] * t.factor[2]),
-                                           task.coarse + line_offset(index, line, frame_components)));
+          std::uint16_t(store_frames(gradients, task.stiffness + line_offset(index, line, 1), collapsed,
+                                     task.frames + line_offset(index, line, frame_components)));
     }
 }
 
@@ -294,7 +342,7 @@ inline double advance(const float* p, const float* q, float alpha, float* x, flo
 }
 
 extern const MultigridKernels more_kernels;
-constexpr MultigridKernels more_kernels = {invert_blocks, coarsen_frames, restrict_nodes, prolong,
-                                           block_jacobi,  turn,           advance};
+constexpr MultigridKernels more_kernels = {invert_blocks, coarsen_frames, find_rotations, restrict_nodes,
+                                           prolong,       block_jacobi,   turn,           advance};
 
 }  // namespace umax::UMAX_SIMD

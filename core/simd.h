@@ -139,6 +139,12 @@ UMAX_INLINE Vec<T> where_positive(Vec<T> test, Vec<T> v) {
   return test > Vec<T>{} ? v : Vec<T>{};
 }
 
+template <class T>
+UMAX_INLINE Vec<T> square_root(Vec<T> v) {
+  for (int lane = 0; lane < width<T>; ++lane) v[lane] = T(__builtin_sqrt(v[lane]));
+  return v;
+}
+
 /// Sum of the lanes, first to last.
 template <class T>
 UMAX_INLINE double sum_of_lanes(Vec<T> v) {
