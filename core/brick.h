@@ -28,6 +28,14 @@ struct Brick {
   bool continues = false;             // the brick before it in the list is the one below it
 };
 
+/// Bricks side by side along x that a task sweeps in one go: only before the first of them cells are computed twice.
+inline constexpr int longest_run = 4;
+struct BrickRun {
+  std::int32_t bricks[longest_run] = {};
+  std::int32_t count = 0;
+  std::int32_t first_column = 0;  // of the task's longest_run columns: the first brick's
+};
+
 /// di, dj in -1 .. 1, dk in 0 .. 1.
 constexpr int near_index(int di, int dj, int dk) {
   return 6 * (di + 1) + 2 * (dj + 1) + dk;

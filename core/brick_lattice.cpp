@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -101,6 +102,26 @@ void find_columns(const std::vector<Place>& places, BrickLattice& lattice) {
   lattice.column_starts.push_back(int(places.size()) + 1);
 }
 
+// tasks: blocks of longest_run columns side by side along x
+void find_runs(const std::vector<Place>& places, BrickLattice& lattice) {
+  using Key = std::array<int, 4>;  // block, j, k, i
+  std::vector<std::pair<Key, int>> order;
+  for (std::size_t b = 0; b < places.size(); ++b)
+    order.push_back({{places[b][0] / longest_run, places[b][1], places[b][2], places[b][0]}, int(b) + 1});
+  std::sort(order.begin(), order.end());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const Key& key = order[n].first;
+    const Key before = n > 0 ? order[n - 1].first : Key{-1, -1, -1, -1};
+    const bool same_task = key[0] == before[0] && key[1] == before[1];
+    if (!same_task) lattice.task_starts.push_back(int(lattice.runs.size()));
+    if (!same_task || key[2] != before[2] || key[3] != before[3] + 1)
+      lattice.runs.emplace_back().first_column = key[3] % longest_run;
+    BrickRun& run = lattice.runs.back();
+    run.bricks[run.count++] = order[n].second;
+  }
+  lattice.task_starts.push_back(int(lattice.runs.size()));
+}
+
 // from the bricks that have cells, sorted by place
 BrickLattice from_cell_bricks(const std::vector<CellBrick>& with_cells) {
   std::vector<Place> places;
@@ -118,6 +139,7 @@ BrickLattice from_cell_bricks(const std::vector<CellBrick>& with_cells) {
   for (std::size_t b = 0; b < places.size(); ++b) std::copy_n(places[b].begin(), 3, lattice.bricks[b + 1].place);
   find_neighbours(places, lattice);
   find_columns(places, lattice);
+  find_runs(places, lattice);
   for (const CellBrick& brick : with_cells)
     std::copy(brick.cells.begin(), brick.cells.end(),
               lattice.cell_masks.begin() + (index_of(places, brick.place) + 1) * brick_lines);
@@ -218,17 +240,11 @@ std::vector<int> node_slots(const BrickLattice& lattice, const Cells& cells, con
   return slots;
 }
 
-double sum_over_columns(const BrickLattice& lattice, double (*body)(const void* context, int first, int last),
-                        const void* context) {
-  constexpr int bricks_per_task = 4;  // some microseconds of work
-  const int num_columns = lattice.num_columns(), num_bricks = int(lattice.bricks.size()) - 1;
-  const int grain = std::max(1, num_columns * bricks_per_task / std::max(1, num_bricks));
-  std::vector<double> sums(num_columns, 0.0);
-  parallel_blocks(num_columns, num_bricks <= 2 * bricks_per_task ? num_columns : grain,
-                  [&](Eigen::Index begin, Eigen::Index end) {
-                    for (Eigen::Index c = begin; c < end; ++c)
-                      sums[c] = body(context, lattice.column_starts[c], lattice.column_starts[c + 1]);
-                  });
+double sum_over_tasks(int num_tasks, int grain, double (*body)(const void* context, int task), const void* context) {
+  std::vector<double> sums(num_tasks, 0.0);
+  parallel_blocks(num_tasks, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index task = begin; task < end; ++task) sums[task] = body(context, int(task));
+  });
   double total = 0;
   for (const double sum : sums) total += sum;
   return total;

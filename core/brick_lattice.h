@@ -1,6 +1,7 @@
 // A regular lattice stored in bricks (core/brick.h), only those that have nodes: what the matrix-free operator runs on.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace umax {
 struct BrickLattice {
   std::vector<Brick> bricks;              // sorted by place, x slowest; the first is empty and stands for none
   std::vector<int> column_starts;         // first brick of each column along z, and the end
+  std::vector<BrickRun> runs;             // of the sweeps' tasks, in each from the lowest z to the highest
+  std::vector<int> task_starts;           // first run of each task, and the end
   std::vector<std::uint16_t> cell_masks;  // 64 per brick: bit k of line 8 i + j is set where there is a cell
   std::vector<std::uint16_t> node_masks;  // likewise
   Vector3i first_cell{0, 0, 0};           // grid coordinates of what is (0, 0, 0) here
@@ -41,19 +44,43 @@ inline std::size_t slot_offset(int slot, int components) {
   return std::size_t(slot / brick_lanes) * components * brick_lanes + slot % brick_lanes;
 }
 
-/// Calls body(first, last) for blocks of whole columns' bricks in parallel and returns the sum of body's results over
-/// the columns, in their order.
-double sum_over_columns(const BrickLattice& lattice, double (*body)(const void* context, int first, int last),
-                        const void* context);
+/// Calls body(task) for tasks 0 .. num_tasks - 1 in parallel, `grain` at a time, and returns the sum of the results in
+/// the tasks' order: the same for any number of threads.
+double sum_over_tasks(int num_tasks, int grain, double (*body)(const void* context, int task), const void* context);
 
+/// Calls body(first, last), which returns a double, for each column's bricks in parallel; the sum over the columns.
 template <class Body>
 double for_each_column(const BrickLattice& lattice, const Body& body) {
-  return sum_over_columns(
-      lattice,
-      [](const void* context, int first, int last) -> double {
-        return (*static_cast<const Body*>(context))(first, last);
+  struct Context {
+    const BrickLattice& lattice;
+    const Body& body;
+  } const context{lattice, body};
+  constexpr int bricks_per_block = 8;
+  const int grain = std::max(1, lattice.num_columns() * bricks_per_block / std::max(1, int(lattice.bricks.size()) - 1));
+  return sum_over_tasks(
+      lattice.num_columns(), grain,
+      [](const void* given, int column) -> double {
+        const Context& c = *static_cast<const Context*>(given);
+        return c.body(c.lattice.column_starts[column], c.lattice.column_starts[column + 1]);
       },
-      &body);
+      &context);
+}
+
+/// Calls body(first, last), which returns a double, for each sweep task's runs in parallel; the sum over the tasks.
+template <class Body>
+double for_each_sweep_task(const BrickLattice& lattice, const Body& body) {
+  struct Context {
+    const BrickLattice& lattice;
+    const Body& body;
+  } const context{lattice, body};
+  return sum_over_tasks(
+      int(lattice.task_starts.size()) - 1, 1,
+      [](const void* given, int task) -> double {
+        const Context& c = *static_cast<const Context*>(given);
+        const BrickRun* runs = c.lattice.runs.data();
+        return c.body(runs + c.lattice.task_starts[task], runs + c.lattice.task_starts[task + 1]);
+      },
+      &context);
 }
 
 }  // namespace umax

@@ -4,7 +4,7 @@
 //
 // K in the Walsh-Hadamard basis of a box, u^_m = sum_n (+-1) u_n: 7 modes of 3 components (the constant one has no
 // energy) that couple in 45 places only. The transform is done axis by axis and shared by neighbouring cells.
-// A task (one column of bricks) computes the cells below its own nodes again instead of exchanging sums: every node is
+// A task (columns of bricks side by side) computes the cells below its own nodes again instead of exchanging sums: every node is
 // written once, by one task, in one order.
 #pragma once
 
@@ -38,6 +38,7 @@ template <class T, class S>
 struct Sweep {
   const Brick* bricks = nullptr;
   const HexConstants<T>* constants = nullptr;
+  bool is_cube = false;         // trilinear's three are equal: rotations do not matter to that mode
   const S* frames = nullptr;    // 9 per cell
   const S* diagonal = nullptr;  // w per node
   const T* x = nullptr;         // zero at nodes that are not free
@@ -48,9 +49,9 @@ struct Sweep {
   T rest[3] = {};  // what X has in the modes x_x, y_y, z_z: 4 times the cell's size
 };
 
-/// Runs the bricks [first, last), whole columns, and returns the epilogue's sum.
+/// Does the runs [first, last), a whole task, and returns the epilogue's sum.
 template <class T, class S>
-using SweepFunction = double (*)(const Sweep<T, S>&, int first, int last);
+using SweepFunction = double (*)(const Sweep<T, S>&, const BrickRun* first, const BrickRun* last);
 
 struct HexKernels {
   SweepFunction<float, float> float_sweeps[num_epilogues] = {};

@@ -6,24 +6,27 @@
 
 namespace umax::UMAX_SIMD {
 
-inline constexpr int rows = brick_edge + 1;    // of cells that touch a brick's nodes, along x and y
-inline constexpr int planes = brick_edge + 2;  // of nodes that those cells touch
+inline constexpr int rows = brick_edge + 1;  // of cells that touch a brick's nodes, along x and y
+template <class T>
+inline constexpr int vectors = brick_lanes / width<T>;  // per line
+inline constexpr int row_lines = rows + 1;  // of nodes in a plane of those cells
 
 /// What a task keeps between rows of cells. Its address must not leave the inlined functions: the compiler would have
 /// to suspect every store of changing it.
 template <class T>
 struct Tile {
-  Vec<T> plane_modes[2][rows][4][3];  // of the node planes before and after the cells, by row of cells
-  Vec<T> upper_forces[rows][4][3];    // that the cells of the plane before give to this one
-  Vec<T> above[brick_lines][3];       // that the vector of cells below gives to this one
+  Vec<T> plane_modes[2][vectors<T>][rows][4][3];  // of the node planes before and after the cells, by row of cells
+  Vec<T> upper_forces[vectors<T>][rows][4][3];    // that the cells of the plane before give to this one
+  Vec<T> above[brick_edge][3];                    // that the vector of cells below gives to this one, by row
+  T last_lanes[longest_run][brick_lines][3];      // the same at the end of each line of the bricks below
 };
 
-/// Where the lines around a brick begin.
+/// Where the lines of a node plane begin, and those of the cells below it.
 template <class T, class S>
 struct Lines {
-  const T* nodes[planes][planes];
-  const T* next_nodes[planes][planes];  // in the bricks above
-  const S* frames[rows][rows];          // null: no cells
+  const T* nodes[row_lines];
+  const T* next_nodes[row_lines];  // in the bricks above
+  const S* frames[rows];           // null: no cells
 };
 
 // place of a line of the halo: which brick along the axis, and its index there
@@ -31,19 +34,27 @@ UMAX_INLINE int brick_step(int index) {
   return index < 0 ? -1 : index >= brick_edge ? 1 : 0;
 }
 
+// node plane p = -1 .. 8 count of a run, and cell plane p - 1
 template <class T, class S>
-void find_lines(const Sweep<T, S>& sweep, const Brick& brick, Lines<T, S>& lines) {
-  for (int p = -1; p <= brick_edge; ++p)
-    for (int j = -1; j <= brick_edge; ++j) {
-      const int di = brick_step(p), dj = brick_step(j);
-      const int line = brick_edge * (p & (brick_edge - 1)) + (j & (brick_edge - 1));
-      const int here = brick.near[near_index(di, dj, 0)], next = brick.near[near_index(di, dj, 1)];
-      lines.nodes[p + 1][j + 1] = sweep.x + line_offset(here, line, vector_components);
-      lines.next_nodes[p + 1][j + 1] = sweep.x + line_offset(next, line, vector_components);
-      if (p == brick_edge || j == brick_edge) continue;
-      const bool has_cells = sweep.bricks[here].cell_lines >> line & 1;
-      lines.frames[p + 1][j + 1] = has_cells ? sweep.frames + line_offset(here, line, frame_components) : nullptr;
-    }
+UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p, Lines<T, S>& lines) {
+  const auto column_of = [&](int plane) {  // the brick beside which a plane lies
+    return plane < 0 ? 0 : plane < brick_edge * run.count ? plane / brick_edge : run.count - 1;
+  };
+  const int here = column_of(p), below = column_of(p - 1);
+  const Brick& node_brick = sweep.bricks[run.bricks[here]];
+  const Brick& cell_brick = sweep.bricks[run.bricks[below]];
+  const int di = brick_step(p - brick_edge * here), below_di = brick_step(p - 1 - brick_edge * below);
+  for (int j = -1; j <= brick_edge; ++j) {
+    const int line = brick_edge * (p & (brick_edge - 1)) + (j & (brick_edge - 1));
+    const std::int32_t* near = node_brick.near + near_index(di, brick_step(j), 0);
+    lines.nodes[j + 1] = sweep.x + line_offset(near[0], line, vector_components);
+    lines.next_nodes[j + 1] = sweep.x + line_offset(near[1], line, vector_components);
+    if (j == brick_edge || p < 0) continue;
+    const int cell_line = brick_edge * ((p - 1) & (brick_edge - 1)) + (j & (brick_edge - 1));
+    const int brick = cell_brick.near[near_index(below_di, brick_step(j), 0)];
+    const bool has_cells = sweep.bricks[brick].cell_lines >> cell_line & 1;
+    lines.frames[j + 1] = has_cells ? sweep.frames + line_offset(brick, cell_line, frame_components) : nullptr;
+  }
 }
 
 // what a task has in registers' width from the start: the constants in every lane
@@ -52,6 +63,7 @@ struct Lanes {
   HexConstants<Vec<T>> hex;
   Vec<T> keep, momentum, gain;
   Vec<T> rest[3];
+  bool is_cube;
 };
 
 template <class T, class S>
@@ -66,16 +78,17 @@ UMAX_INLINE Lanes<T> broadcast_all(const Sweep<T, S>& sweep) {
   lanes.keep = broadcast<T>(sweep.keep);
   lanes.momentum = broadcast<T>(sweep.momentum);
   lanes.gain = broadcast<T>(sweep.gain);
+  lanes.is_cube = sweep.is_cube;
   for (int axis = 0; axis < 3; ++axis) lanes.rest[axis] = broadcast<T>(sweep.rest[axis]);
   return lanes;
 }
 
 // sum and difference along z of a node line: s[0 .. 2], s[3 .. 5]
 template <class T, class S>
-UMAX_INLINE void transform_line(const Lines<T, S>& lines, int p, int j, int v, Vec<T> (&s)[2][3]) {
+UMAX_INLINE void transform_line(const Lines<T, S>& lines, int j, int v, Vec<T> (&s)[2][3]) {
   const bool last = (v + 1) * width<T> == brick_lanes;
-  const T* line = lines.nodes[p][j] + v * width<T>;
-  const T* next = last ? lines.next_nodes[p][j] : line + width<T>;
+  const T* line = lines.nodes[j] + v * width<T>;
+  const T* next = last ? lines.next_nodes[j] : line + width<T>;
   for (int c = 0; c < 3; ++c) {
     const Vec<T> x = load<T>(line + c * brick_lanes);
     const Vec<T> x1 = shift_down(x, load<T>(next + c * brick_lanes));
@@ -84,41 +97,8 @@ UMAX_INLINE void transform_line(const Lines<T, S>& lines, int p, int j, int v, V
   }
 }
 
-// sqrt(s) R of a vector of cells
-template <class V>
-struct Frame {
-  V q[9];
-  // all of it stays in registers up to here
-  UMAX_INLINE void keep() {
-    asm volatile(""
-                 : "+x"(q[0]), "+x"(q[1]), "+x"(q[2]), "+x"(q[3]), "+x"(q[4]), "+x"(q[5]), "+x"(q[6]), "+x"(q[7]),
-                   "+x"(q[8]));
-  }
-  // R^T u
-  UMAX_INLINE void to_local(const V* u, V* r) const {
-    for (int c = 0; c < 3; ++c) r[c] = multiply_add(q[6 + c], u[2], multiply_add(q[3 + c], u[1], q[c] * u[0]));
-  }
-  // R u
-  UMAX_INLINE void to_world(const V* u, V* r) const {
-    for (int c = 0; c < 3; ++c)
-      r[c] = multiply_add(q[3 * c + 2], u[2], multiply_add(q[3 * c + 1], u[1], q[3 * c] * u[0]));
-  }
-  // r + R u
-  UMAX_INLINE void add_to_world(const V* u, V* r) const {
-    for (int c = 0; c < 3; ++c)
-      r[c] = multiply_add(q[3 * c + 2], u[2], multiply_add(q[3 * c + 1], u[1], multiply_add(q[3 * c], u[0], r[c])));
-  }
-};
-
-template <class T, class S>
-UMAX_INLINE Frame<Vec<T>> load_frame(const S* frames) {
-  Frame<Vec<T>> frame;
-  for (int r = 0; r < 9; ++r) frame.q[r] = load<T>(frames + r * brick_lanes);
-  return frame;
-}
-
-// Values computed so far go to memory: 16 registers hold a frame or a group of modes, not both, and left to itself the
-// compiler mixes the stages and spills.
+// Values computed so far go to memory: 16 registers hold one group of modes, and left to itself the compiler mixes the
+// stages and spills.
 template <class A>
 UMAX_INLINE void end_of_stage(A& values) {
   asm volatile("" : "+m"(values));
@@ -140,21 +120,6 @@ UMAX_INLINE void multiply_triple(const V* k, V& a, V& b, V& c) {
   b = second;
 }
 
-// modes of a cell by number (x 4, y 2, z 1), 3 components each, in their own frame: K u
-template <class V>
-UMAX_INLINE void multiply_stiffness(const HexConstants<V>& k, V (*m)[3]) {
-  constexpr int x = 4, y = 2, z = 1, xy = 6, xz = 5, yz = 3, xyz = 7;
-  multiply_triple(k.normal, m[x][0], m[y][1], m[z][2]);
-  multiply_pair(k.shear[0], m[x][1], m[y][0]);
-  multiply_pair(k.shear[1], m[x][2], m[z][0]);
-  multiply_pair(k.shear[2], m[y][2], m[z][1]);
-  multiply_pair(k.bend[0], m[xy][1], m[xz][2]);
-  multiply_pair(k.bend[1], m[xy][0], m[yz][2]);
-  multiply_pair(k.bend[2], m[xz][0], m[yz][1]);
-  multiply_triple(k.twist, m[yz][0], m[xz][1], m[xy][2]);
-  for (int c = 0; c < 3; ++c) m[xyz][c] *= k.trilinear[c];
-}
-
 // along y: the four halves of a row from its two lines; `left` moves on to the right
 template <class V>
 UMAX_INLINE void transform_row(const V (&right)[2][3], V (&left)[2][3], V (&after)[4][3]) {
@@ -166,58 +131,136 @@ UMAX_INLINE void transform_row(const V (&right)[2][3], V (&left)[2][3], V (&afte
     }
 }
 
-// along x, then into the cells' frames: modes `half` and 4 + half
-template <class V>
-UMAX_INLINE void transform_cells(Frame<V>& frame, const V* after, const V* before, int half, V (&modes)[8][3]) {
-  V u[3];
-  for (int c = 0; c < 3; ++c) u[c] = after[c] - before[c];
-  frame.keep();
-  frame.to_local(u, modes[4 + half]);
-  end_of_stage(modes[4 + half]);
-  if (half == 0) return;
-  for (int c = 0; c < 3; ++c) u[c] = after[c] + before[c];
-  frame.keep();
-  frame.to_local(u, modes[half]);
-  end_of_stage(modes[half]);
+// Modes have the bits of the axes in which they alternate, x 4, y 2, z 1. Along x, then into the cells' frames Q:
+// r = Q^T u for `count` modes at once, an outer product for each component, so that a frame is read once for all
+template <class T, class S, int count>
+UMAX_INLINE void to_local(const S* frames, const int (&modes)[count], const Vec<T> (&after)[4][3],
+                          const Vec<T> (&before)[4][3], Vec<T> (&r)[count][3]) {
+  using V = Vec<T>;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    V u[count];
+    for (int m = 0; m < count; ++m) {
+      const int half = modes[m] & 3;
+      u[m] = modes[m] & 4 ? after[half][i] - before[half][i] : after[half][i] + before[half][i];
+    }
+#pragma GCC unroll 3
+    for (int c = 0; c < 3; ++c) {
+      const V q = load<T>(frames + (3 * i + c) * brick_lanes);
+      for (int m = 0; m < count; ++m) r[m][c] = i == 0 ? q * u[m] : multiply_add(q, u[m], r[m][c]);
+    }
+  }
+}
+
+// r = Q u
+template <class T, class S, int count>
+UMAX_INLINE void to_world(const S* frames, const Vec<T>* const (&u)[count], Vec<T> (&r)[count][3]) {
+  using V = Vec<T>;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 3
+    for (int c = 0; c < 3; ++c) {
+      const V q = load<T>(frames + (3 * c + i) * brick_lanes);
+      for (int m = 0; m < count; ++m) r[m][c] = i == 0 ? q * u[m][i] : multiply_add(q, u[m][i], r[m][c]);
+    }
 }
 
 // from positions to displacements: less what the hex at rest has, times the frame's length sqrt(s)
 template <class T, class S>
-UMAX_INLINE void subtract_rest(const Lanes<T>& lanes, const S* frames, Vec<T> (&modes)[8][3]) {
+UMAX_INLINE void subtract_rest(const Lanes<T>& lanes, const S* frames, Vec<T> (&xyz)[3][3]) {
   Vec<T> squared{};
   for (int r = 0; r < 9; ++r) {
     const Vec<T> q = load<T>(frames + r * brick_lanes);
     squared = multiply_add(q, q, squared);
   }
   const Vec<T> root = square_root<T>(squared / 3);
-  modes[4][0] -= root * lanes.rest[0];
-  modes[2][1] -= root * lanes.rest[1];
-  modes[1][2] -= root * lanes.rest[2];
+  for (int axis = 0; axis < 3; ++axis) xyz[axis][axis] -= root * lanes.rest[axis];
 }
 
-// forces in modes `half` and 4 + half back to the planes: `lower` becomes what the lower one has so far with these
-// cells, `upper` what the upper one gets
-template <class V>
-UMAX_INLINE void spread_to_planes(Frame<V>& frame, const V (&modes)[8][3], int half, V* upper, V* lower) {
-  frame.keep();
-  if (half == 0) {
-    V f[3];
-    frame.to_world(modes[4], f);
-    for (int c = 0; c < 3; ++c) {
-      lower[c] = upper[c] - f[c];
-      upper[c] = f[c];
+// K Q^T u of all modes, the last one's in the world's frame: Q K Q^T u
+template <class T, class S, Epilogue E>
+UMAX_INLINE void local_forces(const Lanes<T>& lanes, const S* frames, const Vec<T> (&after)[4][3],
+                              const Vec<T> (&before)[4][3], Vec<T> (&forces)[8][3]) {
+  const HexConstants<Vec<T>>& k = lanes.hex;
+  {
+    Vec<T> r[3][3];  // x, y, z
+    to_local<T, S, 3>(frames, {4, 2, 1}, after, before, r);
+    if constexpr (E == Epilogue::force) subtract_rest<T>(lanes, frames, r);
+    multiply_triple(k.normal, r[0][0], r[1][1], r[2][2]);
+    multiply_pair(k.shear[0], r[0][1], r[1][0]);
+    multiply_pair(k.shear[1], r[0][2], r[2][0]);
+    multiply_pair(k.shear[2], r[1][2], r[2][1]);
+    for (int c = 0; c < 3; ++c) forces[4][c] = r[0][c], forces[2][c] = r[1][c], forces[1][c] = r[2][c];
+    end_of_stage(forces);
+  }
+  {
+    Vec<T> r[3][3];  // xy, xz, yz
+    to_local<T, S, 3>(frames, {6, 5, 3}, after, before, r);
+    multiply_pair(k.bend[0], r[0][1], r[1][2]);
+    multiply_pair(k.bend[1], r[0][0], r[2][2]);
+    multiply_pair(k.bend[2], r[1][0], r[2][1]);
+    multiply_triple(k.twist, r[2][0], r[1][1], r[0][2]);
+    for (int c = 0; c < 3; ++c) forces[6][c] = r[0][c], forces[5][c] = r[1][c], forces[3][c] = r[2][c];
+    end_of_stage(forces);
+  }
+  if (lanes.is_cube) {  // s times a number, in any frame
+    Vec<T> s{};
+    for (int r = 0; r < 3; ++r) {
+      const Vec<T> q = load<T>(frames + r * brick_lanes);
+      s = multiply_add(q, q, s);
     }
-    return;
+    for (int c = 0; c < 3; ++c) forces[7][c] = (s * k.trilinear[0]) * (after[3][c] - before[3][c]);
+  } else {
+    Vec<T> r[1][3];  // xyz
+    to_local<T, S, 1>(frames, {7}, after, before, r);
+    for (int c = 0; c < 3; ++c) r[0][c] *= k.trilinear[c];
+    Vec<T> world[1][3];
+    to_world<T, S, 1>(frames, {r[0]}, world);
+    for (int c = 0; c < 3; ++c) forces[7][c] = world[0][c];
   }
-  V u[3];
+  end_of_stage(forces);
+}
+
+// What a row of cells leaves: `upper` for the plane above by halves, `carried` for the next line by parts (even and odd
+// along z), and h: the sums at this line, by parts.
+template <class V>
+UMAX_INLINE void spread(const V& low, const V& high, V& carried, V& h) {
+  h = carried + (low - high);
+  carried = low + high;
+}
+
+// even part: modes x, y, xy
+template <class T, class S>
+UMAX_INLINE void spread_even(const S* frames, const Vec<T> (&forces)[8][3], Vec<T> (&upper)[4][3], Vec<T>* carried,
+                             Vec<T>* h) {
+  Vec<T> r[3][3];
+  to_world<T, S, 3>(frames, {forces[4], forces[2], forces[6]}, r);
   for (int c = 0; c < 3; ++c) {
-    u[c] = modes[half][c] - modes[4 + half][c];
-    lower[c] = upper[c];
+    const Vec<T> low = upper[0][c] - r[0][c], high = upper[2][c] + (r[1][c] - r[2][c]);
+    upper[0][c] = r[0][c];
+    upper[2][c] = r[1][c] + r[2][c];
+    spread(low, high, carried[c], h[c]);
   }
-  frame.add_to_world(u, lower);
-  frame.keep();
-  for (int c = 0; c < 3; ++c) u[c] = modes[half][c] + modes[4 + half][c];
-  frame.to_world(u, upper);
+}
+
+// odd part: z and xz, then yz and xyz
+template <class T, class S>
+UMAX_INLINE void spread_odd(const S* frames, const Vec<T> (&forces)[8][3], Vec<T> (&upper)[4][3], Vec<T>* carried,
+                            Vec<T>* h) {
+  Vec<T> low[3], r[2][3];
+  to_world<T, S, 2>(frames, {forces[1], forces[5]}, r);
+  for (int c = 0; c < 3; ++c) {
+    low[c] = upper[1][c] + (r[0][c] - r[1][c]);
+    upper[1][c] = r[0][c] + r[1][c];
+  }
+  end_of_stage(upper[1]);
+  Vec<T> yz[1][3];
+  to_world<T, S, 1>(frames, {forces[3]}, yz);
+  for (int c = 0; c < 3; ++c) {
+    const Vec<T> high = upper[3][c] + (yz[0][c] - forces[7][c]);
+    upper[3][c] = yz[0][c] + forces[7][c];
+    spread(low[c], high, carried[c], h[c]);
+  }
 }
 
 template <class T, class S, Epilogue E>
@@ -271,101 +314,95 @@ UMAX_INLINE void finish(const Sweep<T, S>& sweep, const Lanes<T>& lanes, std::si
   }
 }
 
-// one vector of cells along z for all rows of two node planes: completes the lower plane where it is the brick's own
+// back along z at a node line: y from the sums h of its even and odd parts
+template <class T>
+UMAX_INLINE void finish_line(const Vec<T> (&h)[2][3], int v, Vec<T>* above, T* last_lanes, Vec<T>* y) {
+  for (int c = 0; c < 3; ++c) {
+    const Vec<T> up = h[0][c] + h[1][c];
+    const Vec<T> before = v == 0 ? broadcast<T>(last_lanes[c]) : above[c];
+    y[c] = (h[0][c] - h[1][c]) + shift_up(before, up);
+    if (v + 1 == vectors<T>)
+      last_lanes[c] = up[width<T> - 1];
+    else
+      above[c] = up;
+  }
+}
+
+// One vector of cells along z for all rows between two node planes: completes the lower plane, which is plane p - 1 of
+// the run, where it is one of the run's own.
 template <class T, class S, Epilogue E>
-UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, const Brick& brick,
-                             const Lines<T, S>& lines, int index, int p, int v, Tile<T>& tile, Vec<T>& sum) {
+UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, const BrickRun& run,
+                             const Lines<T, S>& lines, int p, int v, Tile<T>& tile, Vec<T>& sum) {
   using V = Vec<T>;
   V left[2][3], carried[2][3];
   for (int c = 0; c < 3; ++c) carried[0][c] = carried[1][c] = V{};
-  transform_line(lines, p + 1, 0, v, left);
+  const int column = p > 0 ? (p - 1) / brick_edge : 0, first_line = brick_edge * ((p - 1) & (brick_edge - 1));
+  const std::uint64_t own_lines = p > 0 ? sweep.bricks[run.bricks[column]].node_lines >> first_line : 0;
+  transform_line(lines, 0, v, left);
   for (int row = 0; row < rows; ++row) {
-    V right[2][3], modes[8][3], low[2][3], h[2][3];
-    const V(&before)[4][3] = tile.plane_modes[~p & 1][row];
-    V(&after)[4][3] = tile.plane_modes[p & 1][row];
-    V(&upper)[4][3] = tile.upper_forces[row];
-    transform_line(lines, p + 1, row + 1, v, right);
+    V right[2][3], forces[8][3], h[2][3];
+    const V(&before)[4][3] = tile.plane_modes[~p & 1][v][row];
+    V(&after)[4][3] = tile.plane_modes[p & 1][v][row];
+    V(&upper)[4][3] = tile.upper_forces[v][row];
+    transform_line(lines, row + 1, v, right);
     transform_row(right, left, after);
     end_of_stage(left);
     end_of_stage(after);
     if (p < 0) continue;
 
-    if (const S* frames = lines.frames[p][row]) {
-      {
-        Frame<V> frame = load_frame<T>(frames + v * width<T>);
-#pragma GCC unroll 4
-        for (int half = 0; half < 4; ++half) transform_cells(frame, after[half], before[half], half, modes);
-      }
-      if constexpr (E == Epilogue::force) subtract_rest<T>(lanes, frames + v * width<T>, modes);
-      multiply_stiffness(lanes.hex, modes);
-      end_of_stage(modes);
-      Frame<V> frame = load_frame<T>(frames + v * width<T>);
-#pragma GCC unroll 2
-      for (int part = 0; part < 2; ++part) {
-        V high[3];
-        spread_to_planes(frame, modes, part, upper[part], low[part]);
-        end_of_stage(low[part]);
-        spread_to_planes(frame, modes, 2 + part, upper[2 + part], high);
-        for (int c = 0; c < 3; ++c) {
-          h[part][c] = carried[part][c] + (low[part][c] - high[c]);
-          carried[part][c] = low[part][c] + high[c];
-        }
-        end_of_stage(carried[part]);
-        end_of_stage(h[part]);
-      }
+    if (const S* frames = lines.frames[row]) {
+      frames += v * width<T>;
+      local_forces<T, S, E>(lanes, frames, after, before, forces);
+      spread_even<T>(frames, forces, upper, carried[0], h[0]);
+      end_of_stage(carried[0]);
+      end_of_stage(h[0]);
+      spread_odd<T>(frames, forces, upper, carried[1], h[1]);
     } else {
       for (int part = 0; part < 2; ++part)
         for (int c = 0; c < 3; ++c) {
-          h[part][c] = carried[part][c] + (upper[part][c] - upper[2 + part][c]);
-          carried[part][c] = upper[part][c] + upper[2 + part][c];
+          spread(V(upper[part][c]), V(upper[2 + part][c]), carried[part][c], h[part][c]);
           upper[part][c] = upper[2 + part][c] = V{};
         }
     }
-
-    // back along z, at the brick's own nodes
-    const int line = brick_edge * (p - 1) + row - 1;
-    if (p == 0 || row == 0 || !(brick.node_lines >> line & 1)) continue;
+    if (row == 0 || !(own_lines >> (row - 1) & 1)) continue;
+    const int line = first_line + row - 1;
     V y[3];
-    for (int c = 0; c < 3; ++c) {
-      const V up = h[0][c] + h[1][c];
-      y[c] = (h[0][c] - h[1][c]) + shift_up(tile.above[line][c], up);
-      tile.above[line][c] = up;
-    }
-    finish<T, S, E>(sweep, lanes, line_offset(index, line, 1), v * width<T>, y, sum);
+    finish_line<T>(h, v, tile.above[row - 1], tile.last_lanes[run.first_column + column][line], y);
+    finish<T, S, E>(sweep, lanes, line_offset(run.bricks[column], line, 1), v * width<T>, y, sum);
   }
 }
 
 template <class T, class S, Epilogue E>
-double sweep_bricks(const Sweep<T, S>& sweep, int first, int last) {
+double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRun* last) {
   using V = Vec<T>;
   const Lanes<T> lanes = broadcast_all(sweep);
   Tile<T> tile;
   Lines<T, S> lines;
   double total = 0;
-  for (int index = first; index < last; ++index) {
-    const Brick& brick = sweep.bricks[index];
-    if (!brick.continues)
-      for (auto& line : tile.above)
-        for (V& value : line) value = V{};
-    find_lines(sweep, brick, lines);
-    for (int v = 0; v < brick_lanes / width<T>; ++v) {
-      Vec<T> sum{};
-      for (auto& row : tile.upper_forces)
-        for (auto& half : row)
+  for (const BrickRun* run = first; run < last; ++run) {
+    for (int n = 0; n < run->count; ++n)
+      if (!sweep.bricks[run->bricks[n]].continues)
+        __builtin_memset(tile.last_lanes[run->first_column + n], 0, sizeof(tile.last_lanes[0]));
+    for (auto& row : tile.upper_forces)
+      for (auto& halves : row)
+        for (auto& half : halves)
           for (V& value : half) value = V{};
-      for (int p = -1; p <= brick_edge; ++p) sweep_plane<T, S, E>(sweep, lanes, brick, lines, index, p, v, tile, sum);
-      total += sum_of_lanes<T>(sum);
+    V sum{};
+    for (int p = -1; p <= brick_edge * run->count; ++p) {
+      find_lines(sweep, *run, p, lines);
+      for (int v = 0; v < vectors<T>; ++v) sweep_plane<T, S, E>(sweep, lanes, *run, lines, p, v, tile, sum);
     }
+    total += sum_of_lanes<T>(sum);
   }
   return total;
 }
 
 template <class T, class S>
 constexpr void fill(SweepFunction<T, S>* table) {
-  table[int(Epilogue::apply)] = sweep_bricks<T, S, Epilogue::apply>;
-  table[int(Epilogue::residual)] = sweep_bricks<T, S, Epilogue::residual>;
-  table[int(Epilogue::chebyshev)] = sweep_bricks<T, S, Epilogue::chebyshev>;
-  table[int(Epilogue::force)] = sweep_bricks<T, S, Epilogue::force>;
+  table[int(Epilogue::apply)] = sweep_runs<T, S, Epilogue::apply>;
+  table[int(Epilogue::residual)] = sweep_runs<T, S, Epilogue::residual>;
+  table[int(Epilogue::chebyshev)] = sweep_runs<T, S, Epilogue::chebyshev>;
+  table[int(Epilogue::force)] = sweep_runs<T, S, Epilogue::force>;
 }
 
 constexpr HexKernels make_kernels() {

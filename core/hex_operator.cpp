@@ -1,5 +1,6 @@
 #include "core/hex_operator.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <type_traits>
@@ -28,10 +29,14 @@ double run(const HexOperator& op, const HexMatrix<S>& matrix, Epilogue epilogue,
     sweep.constants = &op.float_constants;
   else
     sweep.constants = &op.constants;
+  const double* trilinear = op.constants.trilinear;
+  const auto [least, most] = std::minmax({trilinear[0], trilinear[1], trilinear[2]});
+  sweep.is_cube = most - least <= 1e-14 * most;
   sweep.frames = matrix.frames.data();
   sweep.diagonal = matrix.diagonal.data();
   const SweepFunction<T, S> function = sweep_function<T, S>(hex_kernels(op.instruction_set), epilogue);
-  return for_each_column(*op.lattice, [&](int first, int last) { return function(sweep, first, last); });
+  return for_each_sweep_task(*op.lattice,
+                             [&](const BrickRun* first, const BrickRun* last) { return function(sweep, first, last); });
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 namespace umax::UMAX_SIMD {
 
 using F = Vec<float>;
-inline constexpr int vectors = brick_lanes / width<float>;  // per line
 
 // what one line of cells adds to the blocks of the nodes along one of its edges: `lower` at k, `upper` at k + 1;
 // sx, sy: +1 where the edge is on the cells' upper side
@@ -46,7 +45,7 @@ inline void invert_blocks(const BlockInversion& task, int first, int last) {
     const Brick& brick = task.bricks[index];
     if (!brick.continues) __builtin_memset(above, 0, sizeof(above));
     for (int line = 0; line < brick_lines; ++line)
-      for (int v = 0; v < vectors; ++v) {
+      for (int v = 0; v < vectors<float>; ++v) {
         F lower[inverse_components] = {}, upper[inverse_components] = {};
         for (int di = 0; di < 2; ++di)
           for (int dj = 0; dj < 2; ++dj) {
@@ -128,7 +127,7 @@ inline void add_fine_line(const float* fine, int factor, int offset, CoarseLine&
 inline unsigned store_frames(const float (&matrices)[frame_components][brick_lanes], const float* stiffness,
                              const float* clear, float* out) {
   unsigned unresolved = 0;
-  for (int v = 0; v < vectors; ++v) {
+  for (int v = 0; v < vectors<float>; ++v) {
     const int lane = v * width<float>;
     F X[frame_components], before[frame_components], squared{};
     for (int r = 0; r < frame_components; ++r) {
@@ -146,7 +145,7 @@ inline unsigned store_frames(const float (&matrices)[frame_components][brick_lan
     for (int r = 0; r < frame_components; ++r) {
       for (int i = 0; i < width<float>; ++i)
         if (failed >> i & 1) X[r][i] = before[r][i];
-      store<float>(out + r * brick_lanes + lane, root * X[r]);
+      store<float>(out + r * brick_lanes + lane, where_positive<float>(root, root * X[r]));
     }
   }
   return unresolved;

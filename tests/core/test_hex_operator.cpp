@@ -3,6 +3,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -134,5 +135,47 @@ TEST_CASE("a residual and a Chebyshev step are what their formulas say") {
     from_bricks(system.node_slots, out, result);
     CHECK((result - expected).norm() < 1e-5 * expected.norm());
     CHECK(std::abs(bx - b.dot(expected)) < 1e-5 * b.norm() * expected.norm());
+  }
+}
+
+TEST_CASE("frames and forces from positions are those of the elements") {
+  for (const HexSystem& system : test::hex_systems()) {
+    // stretched and turned, with noise, and one cell turned inside out
+    Random random(10);
+    const Matrix3d turn = random.rotation() * Vector3d(1.1, 0.9, 1.2).asDiagonal();
+    const double size = system.lattice.cell_size.minCoeff();
+    Points positions = system.lattice.rest_positions * turn.transpose();
+    for (double& value : positions.reshaped()) value += random.uniform(-0.1, 0.1) * size;
+    const Hexes& hexes = system.lattice.hexes;
+    for (int n = 0; n < 4; ++n) positions.row(hexes(0, n)).swap(positions.row(hexes(0, 7 - n)));
+
+    AlignedArray<double> xs(system.bricks.num_slots() * vector_components), zero(xs.size()), out(xs.size());
+    AlignedArray<float> stiffness(system.bricks.num_slots());
+    to_bricks(system.node_slots, positions.reshaped<Eigen::RowMajor>(), xs);
+    for (std::size_t e = 0; e < system.cell_slots.size(); ++e)
+      stiffness[std::size_t(system.cell_slots[e])] = float(system.stiffness[Eigen::Index(e)]);
+    const HexOperator op = make_hex_operator(system.bricks, system.shape);
+    HexMatrix<float> matrix = system.matrix<float>();
+    set_frames(op, xs, stiffness, matrix);
+    force(op, matrix, zero, xs, out);
+    VectorXd forces, expected = VectorXd::Zero(3 * system.lattice.num_nodes());
+    from_bricks(system.node_slots, out, forces);
+
+    double worst = 0;
+    for (Eigen::Index e = 0; e < hexes.rows(); ++e) {
+      Matrix8x3d nodes;
+      for (int n = 0; n < 8; ++n) nodes.row(n) = positions.row(hexes(e, n));
+      const CorotatedHex hex = corotate(system.shape, RotationEstimate::centre, nodes);
+      const Vector24d gradient = warped_gradient(system.shape.stiffness, system.stiffness[e], hex);
+      for (int n = 0; n < 8; ++n)
+        if (!system.fixed[hexes(e, n)]) expected.segment<3>(3 * hexes(e, n)) -= gradient.segment<3>(3 * n);
+      for (int r = 0; r < 9; ++r) {
+        const float q = matrix.frames[slot_offset(system.cell_slots[e], frame_components) + r * brick_lanes];
+        worst = std::max(worst, std::abs(double(q) / std::sqrt(system.stiffness[e]) - hex.rotation(r / 3, r % 3)));
+      }
+    }
+    INFO(system.name);
+    CHECK(worst < 1e-5);
+    CHECK((forces - expected).norm() < 1e-5 * expected.norm());
   }
 }
