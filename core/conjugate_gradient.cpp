@@ -6,7 +6,7 @@
 namespace umax {
 namespace {
 
-constexpr double replacement = 0.01;  // fall of the residual after which it is computed anew
+constexpr double replacement = 1e-3;  // fall of the residual after which it is computed anew
 
 double squared_norm(const BrickLattice& lattice, const AlignedArray<double>& v) {
   constexpr std::size_t brick_values = brick_slots * vector_components;

@@ -1,5 +1,5 @@
 // Conjugate gradients with the multigrid preconditioner: in float, with the residual computed anew in double each time
-// that it has fallen a hundredfold, so that the solution is as exact as one found in double.
+// that it has fallen a thousandfold, so that the solution is as exact as one found in double.
 #pragma once
 
 #include "core/multigrid.h"

@@ -80,12 +80,12 @@ void run(const BrickLattice& lattice, const Call& call) {
   });
 }
 
+using Restriction = void (*)(const Transfer&, const float* fine, float* coarse, int first, int last);
+
 void restrict_to(const MultigridLevel& fine, const AlignedArray<float>& from, MultigridLevel& coarse,
-                 AlignedArray<float>& to, int components) {
+                 AlignedArray<float>& to, Restriction restriction) {
   const Transfer transfer = transfer_between(fine, coarse);
-  run(coarse.lattice, [&](int first, int last) {
-    kernels_of(fine).restrict_nodes(transfer, from.data(), to.data(), components, first, last);
-  });
+  run(coarse.lattice, [&](int first, int last) { restriction(transfer, from.data(), to.data(), first, last); });
 }
 
 void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
@@ -99,7 +99,7 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
   AlignedArray<float>& weights = fine.x[0];  // free at this time, and large enough
   for (std::size_t slot = 0; slot < fine.matrix.diagonal.size(); ++slot)
     weights[slot] = std::abs(fine.matrix.diagonal[slot]);
-  restrict_to(fine, weights, coarse, coarse.matrix.diagonal, 1);
+  restrict_to(fine, weights, coarse, coarse.matrix.diagonal, kernels_of(fine).restrict_numbers);
   std::fill(weights.begin(), weights.end(), 0.f);
   for (std::size_t b = 1; b < coarse.lattice.bricks.size(); ++b)
     for (int slot = 0; slot < brick_slots; ++slot) {
@@ -211,7 +211,7 @@ const AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const 
   int current = smooth_from_zero(level, b, product);
   MultigridLevel& coarse = multigrid.levels[depth + 1];
   residual(level.op, level.matrix, b, level.x[current], level.x[1 - current]);
-  restrict_to(level, level.x[1 - current], coarse, coarse.b, vector_components);
+  restrict_to(level, level.x[1 - current], coarse, coarse.b, kernels_of(level).restrict_vectors);
   const AlignedArray<float>& correction = cycle(multigrid, depth + 1, coarse.b, product);
   const Transfer transfer = transfer_between(level, coarse);
   run(level.lattice, [&](int first, int last) {

@@ -56,9 +56,9 @@ struct MultigridKernels {
   void (*invert_blocks)(const BlockInversion&, int first, int last) = nullptr;
   void (*coarsen_frames)(const FrameCoarsening&, int first, int last) = nullptr;
   void (*find_rotations)(const RotationSearch&, int first, int last) = nullptr;
-  /// coarse = P^T fine for `components` (3 or 1) per node, over coarse bricks.
-  void (*restrict_nodes)(const Transfer&, const float* fine, float* coarse, int components, int first,
-                         int last) = nullptr;
+  /// coarse = P^T fine for vectors and for numbers per node, over coarse bricks.
+  void (*restrict_vectors)(const Transfer&, const float* fine, float* coarse, int first, int last) = nullptr;
+  void (*restrict_numbers)(const Transfer&, const float* fine, float* coarse, int first, int last) = nullptr;
   /// fine += P coarse at free nodes, over fine bricks.
   void (*prolong)(const Transfer&, const float* coarse, const float* diagonal, float* fine, int first,
                   int last) = nullptr;

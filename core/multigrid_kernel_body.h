@@ -227,82 +227,96 @@ inline void find_rotations(const RotationSearch& task, int first, int last) {
     }
 }
 
-// fine line (i, j), counted from a coarse brick's first: its values at k = -1 .. 16 factor - 1, weighted, into sums[k +
-// 1]
-inline void add_weighted_line(const Transfer& t, const BrickParents& parents, int i, int j, const float* fine,
-                              int component, int components, float weight, float* sums) {
+// Fine line (i, j), counted from a coarse brick's first: adds its values at k = -1 .. 16 factor - 1, weighted, to
+// sums[c][k + 1].
+template <int components>
+UMAX_INLINE void add_weighted_line(const Transfer& t, const BrickParents& parents, int i, int j, const float* fine,
+                                   float weight, float (&sums)[components][2 * brick_lanes + 1]) {
   const int column = ((i + brick_edge) / brick_edge) * 9 + ((j + brick_edge) / brick_edge) * 3;
   const int line = brick_edge * (i & (brick_edge - 1)) + (j & (brick_edge - 1));
-  const auto values = [&](int dk) {
-    return fine + line_offset(parents.fine[column + dk + 1], line, components) + component * brick_lanes;
-  };
-  if (t.factor[2] == 2) sums[0] += weight * values(-1)[brick_lanes - 1];
-  for (int dk = 0; dk < t.factor[2]; ++dk) {
-    const float* from = values(dk);
-    for (int k = 0; k < brick_lanes; ++k) sums[1 + dk * brick_lanes + k] += weight * from[k];
+  const float* below = fine + line_offset(parents.fine[column], line, components);
+  const float* here = fine + line_offset(parents.fine[column + 1], line, components);
+  const float* next = fine + line_offset(parents.fine[column + 2], line, components);
+  for (int c = 0; c < components; ++c, below += brick_lanes, here += brick_lanes, next += brick_lanes) {
+    for (int k = 0; k < brick_lanes; ++k) sums[c][1 + k] += weight * here[k];
+    if (t.factor[2] == 1) continue;
+    sums[c][0] += weight * below[brick_lanes - 1];
+    for (int k = 0; k < brick_lanes; ++k) sums[c][1 + brick_lanes + k] += weight * next[k];
   }
 }
 
-inline void restrict_nodes(const Transfer& t, const float* fine, float* coarse, int components, int first, int last) {
+template <int components>
+void restrict_nodes(const Transfer& t, const float* fine, float* coarse, int first, int last) {
   for (int index = first; index < last; ++index)
     for (int line = 0; line < brick_lines; ++line) {
       if (!(t.coarse_bricks[index].node_lines >> line & 1)) continue;
       const int i = t.factor[0] * (line / brick_edge), j = t.factor[1] * (line % brick_edge);
       const int ri = t.factor[0] - 1, rj = t.factor[1] - 1;  // reach of the weights
-      for (int c = 0; c < components; ++c) {
-        float sums[2 * brick_lanes + 1] = {};
-        for (int di = -ri; di <= ri; ++di)
-          for (int dj = -rj; dj <= rj; ++dj)
-            add_weighted_line(t, t.parents[index], i + di, j + dj, fine, c, components,
-                              (di ? 0.5f : 1.f) * (dj ? 0.5f : 1.f), sums);
-        float* to = coarse + line_offset(index, line, components) + c * brick_lanes;
+      float sums[components][2 * brick_lanes + 1] = {};
+      for (int di = -ri; di <= ri; ++di)
+        for (int dj = -rj; dj <= rj; ++dj)
+          add_weighted_line<components>(t, t.parents[index], i + di, j + dj, fine,
+                                        (di ? 0.5f : 1.f) * (dj ? 0.5f : 1.f), sums);
+      float* to = coarse + line_offset(index, line, components);
+      for (int c = 0; c < components; ++c, to += brick_lanes)
         if (t.factor[2] == 1)
-          for (int k = 0; k < brick_lanes; ++k) to[k] = sums[1 + k];
+          for (int k = 0; k < brick_lanes; ++k) to[k] = sums[c][1 + k];
         else
-          for (int k = 0; k < brick_lanes; ++k) to[k] = sums[2 * k + 1] + 0.5f * (sums[2 * k] + sums[2 * k + 2]);
-      }
+          for (int k = 0; k < brick_lanes; ++k)
+            to[k] = sums[c][2 * k + 1] + 0.5f * (sums[c][2 * k] + sums[c][2 * k + 2]);
     }
 }
 
-inline void prolong(const Transfer& t, const float* coarse, const float* diagonal, float* fine, int first, int last) {
-  for (int index = first; index < last; ++index) {
-    const BrickChildren& children = t.children[index];
-    for (int line = 0; line < brick_lines; ++line) {
-      if (!(t.fine_bricks[index].node_lines >> line & 1)) continue;
-      const int i = line / brick_edge + brick_edge * children.half[0],
-                j = line % brick_edge + brick_edge * children.half[1];
-      const int ni = i % t.factor[0] + 1, nj = j % t.factor[1] + 1;  // coarse lines on both sides, or one
-      const float weight = 1.f / float(ni * nj);
-      for (int c = 0; c < 3; ++c) {
-        float sums[brick_lanes + 1] = {};
-        for (int a = 0; a < ni; ++a)
-          for (int b = 0; b < nj; ++b) {
-            const int ci = i / t.factor[0] + a, cj = j / t.factor[1] + b;
-            const int column = 4 * (ci / brick_edge) + 2 * (cj / brick_edge);
-            const int coarse_line = brick_edge * (ci % brick_edge) + cj % brick_edge;
-            const auto values = [&](int dk) {
-              return coarse + line_offset(children.coarse[column + dk], coarse_line, 3) + c * brick_lanes;
-            };
-            const float* from = values(0);
-            for (int k = 0; k < brick_lanes; ++k) sums[k] += weight * from[k];
-            sums[brick_lanes] += weight * values(1)[0];
-          }
-        float* to = fine + line_offset(index, line, 3) + c * brick_lanes;
-        const float* w = diagonal + line_offset(index, line, 1);
-        const int start = t.factor[2] == 2 ? brick_lanes / 2 * children.half[2] : 0;
-        float steps[brick_lanes];
-        for (int k = 0; k < brick_lanes / 2; ++k)
-          if (t.factor[2] == 2) {
-            steps[2 * k] = sums[start + k];
-            steps[2 * k + 1] = 0.5f * (sums[start + k] + sums[start + k + 1]);
-          } else {
-            steps[2 * k] = sums[2 * k];
-            steps[2 * k + 1] = sums[2 * k + 1];
-          }
-        for (int k = 0; k < brick_lanes; ++k) to[k] += w[k] > 0 ? steps[k] : 0.f;
+// What a line of a fine brick gets from up to four coarse ones: mean of their values at k = 0 .. 8 or, where z is not
+// coarsened, 0 .. 15.
+UMAX_INLINE void coarse_mean(const Transfer& t, const BrickChildren& children, int line, const float* coarse,
+                             float (&mean)[3][brick_lanes]) {
+  constexpr int half = brick_lanes / 2;
+  const int i = line / brick_edge + brick_edge * children.half[0],
+            j = line % brick_edge + brick_edge * children.half[1];
+  const int ni = i % t.factor[0] + 1, nj = j % t.factor[1] + 1;  // coarse lines on both sides, or one
+  const float weight = 1.f / float(ni * nj);
+  for (int n = 0; n < ni * nj; ++n) {
+    const int ci = i / t.factor[0] + n / nj, cj = j / t.factor[1] + n % nj;
+    const int column = 4 * (ci / brick_edge) + 2 * (cj / brick_edge);
+    const int coarse_line = brick_edge * (ci % brick_edge) + cj % brick_edge;
+    const float* from = coarse + line_offset(children.coarse[column], coarse_line, 3);
+    const float* next = coarse + line_offset(children.coarse[column + 1], coarse_line, 3);
+    for (int c = 0; c < 3; ++c, from += brick_lanes, next += brick_lanes) {
+      if (t.factor[2] == 1) {
+        for (int k = 0; k < brick_lanes; ++k) mean[c][k] += weight * from[k];
+      } else {
+        const float* start = from + half * children.half[2];
+        for (int k = 0; k < half; ++k) mean[c][k] += weight * start[k];
+        mean[c][half] += weight * (children.half[2] ? next[0] : from[half]);
       }
     }
   }
+}
+
+inline void prolong(const Transfer& t, const float* coarse, const float* diagonal, float* fine, int first, int last) {
+  constexpr int half = brick_lanes / 2;
+  for (int index = first; index < last; ++index)
+    for (int line = 0; line < brick_lines; ++line) {
+      if (!(t.fine_bricks[index].node_lines >> line & 1)) continue;
+      float mean[3][brick_lanes] = {};
+      coarse_mean(t, t.children[index], line, coarse, mean);
+      float* to = fine + line_offset(index, line, 3);
+      const float* w = diagonal + line_offset(index, line, 1);
+      for (int c = 0; c < 3; ++c, to += brick_lanes) {
+        float steps[brick_lanes];
+        if (t.factor[2] == 2)
+          for (int k = 0; k < half; ++k) {
+            steps[2 * k] = mean[c][k];
+            steps[2 * k + 1] = 0.5f * (mean[c][k] + mean[c][k + 1]);
+          }
+        else
+          for (int k = 0; k < brick_lanes; ++k) steps[k] = mean[c][k];
+        for (int lane = 0; lane < brick_lanes; lane += width<float>)
+          store<float>(to + lane, load<float>(to + lane) +
+                                      where_positive<float>(load<float>(w + lane), load<float>(steps + lane)));
+      }
+    }
 }
 
 inline void block_jacobi(const float* inverse, const float* b, float gain, float* x, int first, int last) {
@@ -341,7 +355,8 @@ inline double advance(const float* p, const float* q, float alpha, float* x, flo
 }
 
 extern const MultigridKernels more_kernels;
-constexpr MultigridKernels more_kernels = {invert_blocks, coarsen_frames, find_rotations, restrict_nodes,
-                                           prolong,       block_jacobi,   turn,           advance};
+constexpr MultigridKernels more_kernels = {
+    invert_blocks, coarsen_frames, find_rotations, restrict_nodes<3>, restrict_nodes<1>, prolong,
+    block_jacobi,  turn,           advance};
 
 }  // namespace umax::UMAX_SIMD

@@ -108,7 +108,8 @@ TEST_CASE("multigrid gives the direct solver's solution in a bounded number of i
     const int to_1e8 = solve(system, b, 1e-8, {.degree = c.degree}).report.iterations;
     INFO(c.system.name << ", " << system.lattice.num_hexes() << " hexes: " << to_1e8 << " iterations to 1e-8");
     CHECK(solution.report.converged);
-    CHECK(residual < 1.01e-10);
+    CHECK(solution.report.residual <= 1e-10);
+    CHECK(residual < 2e-10);  // the assembled matrix rounds differently
     CHECK((solution.x - expected).norm() < 1e-8 * expected.norm());
     CHECK(to_1e8 <= c.most_iterations);
   }
