@@ -4,8 +4,8 @@
 //
 // K in the Walsh-Hadamard basis of a box, u^_m = sum_n (+-1) u_n: 7 modes of 3 components (the constant one has no
 // energy) that couple in 45 places only. The transform is done axis by axis and shared by neighbouring cells.
-// A task (columns of bricks side by side) computes the cells below its own nodes again instead of exchanging sums: every node is
-// written once, by one task, in one order.
+// A task (columns of bricks side by side) computes the cells below its own nodes again instead of exchanging sums:
+// every node is written once, by one task, in one order.
 #pragma once
 
 #include "core/brick.h"

@@ -198,6 +198,18 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
   return current;
 }
 
+double dot(const BrickLattice& lattice, const AlignedArray<float>& a, const AlignedArray<float>& b) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  return for_each_column(lattice, [&](int first, int last) {
+    double sums[brick_lanes] = {};
+    for (std::size_t i = first * brick_values; i < last * brick_values; i += brick_lanes)
+      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
+    double total = 0;
+    for (const double sum : sums) total += sum;
+    return total;
+  });
+}
+
 // returns which of the level's two arrays has x ~ A^-1 b; product: b . x
 const AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b,
                                  double& product) {
@@ -226,6 +238,7 @@ const AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const 
 
 Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOptions& options) {
   Multigrid multigrid;
+  multigrid.local_contrast = options.local_contrast;
   multigrid.levels.emplace_back().lattice = std::move(lattice);
   while (multigrid.levels.back().lattice.num_nodes > largest_dense) {
     MultigridLevel& fine = multigrid.levels.back();
@@ -255,15 +268,34 @@ void set_up(Multigrid& multigrid) {
     if (depth > 0) coarsen_matrix(multigrid.levels[depth - 1], multigrid.levels[depth]);
     invert_blocks(multigrid.levels[depth]);
   }
+  const MultigridLevel& finest = multigrid.levels.front();
+  if (multigrid.levels.size() > 1)
+    multigrid.stiff_cells =
+        find_stiff_cells(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast);
+  if (!multigrid.stiff_cells.nodes.empty() && multigrid.rest.size() == 0) {
+    multigrid.corrected = AlignedArray<float>(finest.x[0].size());
+    multigrid.rest = AlignedArray<float>(finest.x[0].size());
+  }
   if (multigrid.has_dense) multigrid.dense.compute(assemble(multigrid.levels.back(), multigrid.dense_slots));
 }
 
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product) {
-  const AlignedArray<float>& z = cycle(multigrid, 0, r, product);
-  if (multigrid.levels.size() == 1 && multigrid.has_dense) {
-    product = 0;
-    for (std::size_t i = 0; i < r.size(); ++i) product += double(r[i]) * double(z[i]);
+  const MultigridLevel& level = multigrid.levels.front();
+  if (multigrid.stiff_cells.nodes.empty()) {
+    const AlignedArray<float>& z = cycle(multigrid, 0, r, product);
+    if (multigrid.levels.size() == 1) product = dot(level.lattice, r, z);
+    return z;
   }
+  // local solves, V-cycle, local solves, each on what the one before has left: symmetric
+  AlignedArray<float>& z = multigrid.corrected;
+  std::fill(z.begin(), z.end(), 0.f);
+  add_corrections(multigrid.stiff_cells, r, z);
+  residual(level.op, level.matrix, r, z, multigrid.rest);
+  const AlignedArray<float>& correction = cycle(multigrid, 0, multigrid.rest, product);
+  run(level.lattice, [&](int first, int last) { kernels_of(level).turn(correction.data(), 1, z.data(), first, last); });
+  residual(level.op, level.matrix, r, z, multigrid.rest);
+  add_corrections(multigrid.stiff_cells, multigrid.rest, z);
+  product = dot(level.lattice, r, z);
   return z;
 }
 
@@ -275,6 +307,8 @@ std::size_t memory(const Multigrid& multigrid) {
     bytes += sizeof(Brick) * level.lattice.bricks.size() + 4 * level.lattice.cell_masks.size() +
              sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
   }
+  bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +
+           sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
   return bytes + sizeof(double) * multigrid.dense_slots.size() * multigrid.dense_slots.size() * 9;
 }
 

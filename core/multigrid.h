@@ -5,7 +5,7 @@
 // none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
 // Chebyshev polynomials in D^-1 A, D = 3 x 3 diagonal blocks, on [lambda / 8, lambda] with lambda the largest
 // eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are first coarsened along their short edges only.
-// The last level is factored (dense Cholesky).
+// The last level is factored (dense Cholesky). Single stiff hexes are solved for before and after (stiff_cells.h).
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -13,11 +13,13 @@
 
 #include "core/hex_operator.h"
 #include "core/multigrid_kernel.h"
+#include "core/stiff_cells.h"
 
 namespace umax {
 
 struct MultigridOptions {
-  int degree = 2;  // of the smoothing polynomials: 3 for stiffness contrasts above 10, 4 above 1000
+  int degree = 2;              // of the smoothing polynomials; more: fewer, dearer iterations
+  double local_contrast = 30;  // [-] of a hex with its neighbours from which it is solved for by itself
   InstructionSet instruction_set = best_instruction_set();
 };
 
@@ -40,6 +42,9 @@ struct Multigrid {
   std::vector<int> dense_slots;        // nodes of the last level
   bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
   Eigen::LLT<MatrixXd> dense;
+  double local_contrast = 0;
+  StiffCells stiff_cells;               // of the finest level
+  AlignedArray<float> corrected, rest;  // iterate and residual around the V-cycle, where there are stiff cells
 };
 
 /// Topology and memory for a lattice, whose cells have all the same Poisson's ratio.
@@ -51,7 +56,7 @@ void set_up(Multigrid& multigrid);
 /// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);
 
-/// Bytes that make_multigrid() allocates.
+/// Bytes that it has allocated.
 std::size_t memory(const Multigrid& multigrid);
 
 }  // namespace umax

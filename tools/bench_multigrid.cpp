@@ -16,7 +16,8 @@ namespace {
 constexpr double young = 500e3, poisson = 0.3, density = 500, time_step = 1.0 / 60;
 
 Cells block_cells(const Vector3i& size) {
-  Cells cells(Eigen::Index(size[0]) * size[1] * size[2], 3);
+  const Eigen::Index count = Eigen::Index(size[0]) * size[1] * size[2];
+  Cells cells(count, 3);
   Eigen::Index e = 0;
   for (int i = 0; i < size[0]; ++i)
     for (int j = 0; j < size[1]; ++j)

@@ -155,6 +155,43 @@ TEST_CASE("a solution's bits do not depend on the number of threads") {
   }
 }
 
+TEST_CASE("solving single stiff hexes exactly reduces every error") {
+  for (const std::vector<double>& multipliers :
+       {std::vector<double>{1, 1, 1, 1, 1, 1, 1, 1, 1, 300}, std::vector<double>{1, 300}}) {
+    const HexSystem system = test::make_hex_system({.name = "stiff hexes",
+                                                    .cells = test::box_cells({9, 10, 17}),
+                                                    .turn = 0.2,
+                                                    .multipliers = multipliers,
+                                                    .fix_low_x = true});
+    const HexOperator op = make_hex_operator(system.bricks, system.shape);
+    const StiffCells cells = find_stiff_cells(op, system.matrix<float>(), system.shape.stiffness, 30);
+    REQUIRE(cells.nodes.size() > 10);
+
+    // power iteration on the error's propagation 1 - L A, in the norm of A: its largest eigenvalue stays below 1
+    Random random(15);
+    VectorXd error = system.random_vector(random);
+    double ratio = 0;
+    for (int n = 0; n < 60; ++n) {
+      const VectorXd r = multiply(system.assembled, error);
+      AlignedArray<float> rs(system.bricks.num_slots() * vector_components), zs(rs.size());
+      to_bricks(system.node_slots, r, rs);
+      add_corrections(cells, rs, zs);
+      VectorXd z;
+      from_bricks(system.node_slots, zs, z);
+      const VectorXd next = error - z;
+      ratio = std::sqrt(next.dot(multiply(system.assembled, next)) / error.dot(r));
+      CHECK(ratio < 1 + 1e-6);
+      error = next / next.norm();
+    }
+  }
+}
+
+TEST_CASE("a hex in an even cage is not solved for by itself") {
+  const HexSystem system = test::make_hex_system(cases()[2].system);
+  const HexOperator op = make_hex_operator(system.bricks, system.shape);
+  CHECK(find_stiff_cells(op, system.matrix<float>(), system.shape.stiffness, 30).nodes.empty());
+}
+
 TEST_CASE("every instruction set solves the same system") {
   const HexSystem system = test::make_hex_system(cases()[5].system);
   Random random(14);

@@ -1,0 +1,176 @@
+#include "core/stiff_cells.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr int most_shared = 3;      // solved hexes that touch a hex of the lattice
+constexpr double damping = 0.63;    // less than 2 / most_shared
+constexpr Eigen::Index grain = 16;  // hexes per task
+
+// Slot of the point `step` (-1 .. 2 along each axis) from that in a slot; -1: in no brick.
+int slot_at(const BrickLattice& lattice, int slot, const Vector3i& step) {
+  const int line = slot / brick_lanes % brick_lines;
+  const Vector3i at = Vector3i(line / brick_edge, line % brick_edge, slot % brick_lanes) + step;
+  const auto outside = [](int value, int size) { return value < 0 ? -1 : value >= size ? 1 : 0; };
+  const int di = outside(at[0], brick_edge), dj = outside(at[1], brick_edge), dk = outside(at[2], brick_lanes);
+  int brick = lattice.bricks[slot / brick_slots].near[near_index(di, dj, std::max(dk, 0))];
+  if (dk < 0) brick = lattice.bricks[brick].continues ? brick - 1 : 0;
+  if (brick == 0) return -1;
+  return (brick * brick_lines + brick_edge * (at[0] & (brick_edge - 1)) + (at[1] & (brick_edge - 1))) * brick_lanes +
+         (at[2] & (brick_lanes - 1));
+}
+
+Vector3i neighbour_step(int n) {
+  return {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
+}
+
+Vector3i corner_step(int n) {
+  return {n >> 2 & 1, n >> 1 & 1, n & 1};
+}
+
+Matrix3d frame_at(const HexMatrix<float>& matrix, int slot) {
+  Matrix3d Q;
+  for (int r = 0; r < frame_components; ++r)
+    Q(r / 3, r % 3) = double(matrix.frames[slot_offset(slot, frame_components) + r * brick_lanes]);
+  return Q;
+}
+
+// s per slot, 0 where there is no cell
+std::vector<float> stiffnesses(const BrickLattice& lattice, const HexMatrix<float>& matrix) {
+  std::vector<float> s(lattice.num_slots(), 0.f);
+  for_each_column(lattice, [&](int first, int last) {
+    for (std::size_t line = std::size_t(first) * brick_lines; line < std::size_t(last) * brick_lines; ++line)
+      for (int r = 0; r < frame_components; ++r)
+        for (int k = 0; k < brick_lanes; ++k) {
+          const float q = matrix.frames[(line * frame_components + r) * brick_lanes + k];
+          s[line * brick_lanes + k] += q * q / 3;
+        }
+    return 0.0;
+  });
+  return s;
+}
+
+bool is_stiff(const BrickLattice& lattice, const std::vector<float>& s, int slot, double contrast) {
+  float softest = std::numeric_limits<float>::infinity();
+  for (int n = 0; n < 27; ++n) {
+    const int other = slot_at(lattice, slot, neighbour_step(n));
+    if (other >= 0 && s[other] > 0) softest = std::min(softest, s[other]);
+  }
+  return double(s[slot]) >= contrast * double(softest);
+}
+
+// in ascending order, as long as no hex is touched by more than most_shared of them
+std::vector<int> choose(const BrickLattice& lattice, const std::vector<float>& s, double contrast) {
+  const float most = *std::max_element(s.begin(), s.end());
+  float least = most;
+  for (const float value : s)
+    if (value > 0) least = std::min(least, value);
+  std::vector<int> chosen;
+  if (double(most) < contrast * double(least)) return chosen;
+
+  std::vector<std::uint8_t> touched(s.size(), 0);
+  for (int slot = 0; slot < int(s.size()); ++slot) {
+    if (double(s[slot]) < contrast * double(least) || !is_stiff(lattice, s, slot, contrast)) continue;
+    bool crowded = false;
+    for (int n = 0; n < 27; ++n) {
+      const int other = slot_at(lattice, slot, neighbour_step(n));
+      crowded |= other >= 0 && touched[other] == most_shared;
+    }
+    if (crowded) continue;
+    chosen.push_back(slot);
+    for (int n = 0; n < 27; ++n) {
+      const int other = slot_at(lattice, slot, neighbour_step(n));
+      if (other >= 0) ++touched[other];
+    }
+  }
+  return chosen;
+}
+
+// the nodes that a neighbour at `step` shares with the hex: which of the hex's 8 each of its own 8 is, or -1
+std::array<int, 8> shared_nodes(const Vector3i& step) {
+  std::array<int, 8> local{};
+  for (int n = 0; n < 8; ++n) {
+    const Vector3i at = corner_step(n) + step;
+    local[n] = at.minCoeff() >= 0 && at.maxCoeff() <= 1 ? 4 * at[0] + 2 * at[1] + at[2] : -1;
+  }
+  return local;
+}
+
+Matrix24d local_matrix(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot) {
+  Matrix24d A = Matrix24d::Zero();
+  for (int n = 0; n < 27; ++n) {
+    const int cell = slot_at(lattice, slot, neighbour_step(n));
+    if (cell < 0) continue;
+    const Matrix3d Q = frame_at(matrix, cell);
+    if (Q.isZero(0)) continue;
+    const std::array<int, 8> local = shared_nodes(neighbour_step(n));
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        if (local[a] >= 0 && local[b] >= 0)
+          A.block<3, 3>(3 * local[a], 3 * local[b]) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+  }
+  return A;
+}
+
+// damping A_e^-1, zero in the rows and columns of nodes that are not free
+StiffCells::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix, const std::array<int, 8>& nodes) {
+  Matrix24d free = Matrix24d::Identity();
+  for (int n = 0; n < 8; ++n) {
+    const double w = double(matrix.diagonal[nodes[n]]);
+    for (int i = 3 * n; i < 3 * n + 3; ++i)
+      if (w > 0) {
+        A(i, i) += w;
+      } else {
+        A.row(i).setZero();
+        A.col(i).setZero();
+        A(i, i) = 1;
+        free(i, i) = 0;
+      }
+  }
+  const Matrix24d inverse = damping * (Eigen::LLT<Matrix24d>(A).solve(free));
+  return (0.5 * (inverse + inverse.transpose())).cast<float>();
+}
+
+}  // namespace
+
+StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matrix, const Matrix24d& stiffness,
+                            double contrast) {
+  const BrickLattice& lattice = *op.lattice;
+  const std::vector<int> chosen = choose(lattice, stiffnesses(lattice, matrix), contrast);
+  StiffCells cells;
+  cells.nodes.resize(chosen.size());
+  cells.inverses.resize(chosen.size());
+  parallel_blocks(Eigen::Index(chosen.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      for (int n = 0; n < 8; ++n) cells.nodes[e][n] = slot_at(lattice, chosen[e], corner_step(n));
+      cells.inverses[e] = damped_inverse(local_matrix(lattice, matrix, stiffness, chosen[e]), matrix, cells.nodes[e]);
+    }
+  });
+  return cells;
+}
+
+void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, AlignedArray<float>& z) {
+  using Vector24f = Eigen::Matrix<float, 24, 1>;
+  std::vector<Vector24f> corrections(cells.nodes.size());
+  parallel_blocks(Eigen::Index(cells.nodes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      Vector24f local;
+      for (int i = 0; i < 24; ++i)
+        local[i] = r[slot_offset(cells.nodes[e][i / 3], vector_components) + i % 3 * brick_lanes];
+      corrections[e].noalias() = cells.inverses[e] * local;
+    }
+  });
+  // one after the other: neighbours may share nodes
+  for (std::size_t e = 0; e < corrections.size(); ++e)
+    for (int i = 0; i < 24; ++i)
+      z[slot_offset(cells.nodes[e][i / 3], vector_components) + i % 3 * brick_lanes] += corrections[e][i];
+}
+
+}  // namespace umax
