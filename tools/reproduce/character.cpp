@@ -32,7 +32,7 @@ Character character_of(const Workbench& bench) {
     character = {"armadillo", "body.armadillo", "the armadillo", {}, armadillo_right_leg};
   else
     character = {"figure", "body.figure", "the figure", {}, figure_right_leg};
-  character.settings = bench.armadillo_settings() + paper_settings(character.body);
+  character.settings = joined({bench.armadillo_settings(), paper_settings(character.body)});
   return character;
 }
 

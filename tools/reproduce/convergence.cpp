@@ -51,10 +51,10 @@ Efforts measure(Workbench& bench, const std::string& measure) {
       for (std::size_t j = 0; j < jacobians.size(); ++j)
         runs[e][j].push_back(
             bench.simulate(fmt::format("convergence-{}-{}J-{}-{}", measure, energies[e], jacobians[j], repeat), "beam",
-                           published_way().settings +
-                               std::vector<std::string>{"clip.fps=100", "clip.frames=81", "solver.energy=" + measure,
-                                                        fmt::format("solver.jacobian={}", jacobians[j]),
-                                                        fmt::format("body.beam.limit.energy={} J", energies[e])}));
+                           joined({published_way().settings,
+                                   {"clip.fps=100", "clip.frames=81", "solver.energy=" + measure,
+                                    fmt::format("solver.jacobian={}", jacobians[j]),
+                                    fmt::format("body.beam.limit.energy={} J", energies[e])}})));
   Efforts efforts;
   for (std::size_t e = 0; e < energies.size(); ++e)
     for (std::size_t j = 0; j < jacobians.size(); ++j) efforts[e][j] = effort_of(runs[e][j]);

@@ -22,9 +22,10 @@ Variant exact_way() {
   return {"exact", "exact method, true energy", {}};
 }
 
-std::vector<std::string> operator+(std::vector<std::string> settings, const std::vector<std::string>& more) {
-  settings.insert(settings.end(), more.begin(), more.end());
-  return settings;
+std::vector<std::string> joined(std::initializer_list<std::vector<std::string>> settings) {
+  std::vector<std::string> all;
+  for (const std::vector<std::string>& some : settings) all.insert(all.end(), some.begin(), some.end());
+  return all;
 }
 
 }  // namespace umax

@@ -1,6 +1,7 @@
 // The paper's experiments, in its order. Each simulates what it needs and says what came out.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ Variant published_way();
 /// The program's own: exact minimiser, true energy, limits held to 0.1 %.
 Variant exact_way();
 
-/// Appends.
-std::vector<std::string> operator+(std::vector<std::string> settings, const std::vector<std::string>& more);
+/// Settings one after the other; of two for the same key the last one counts.
+std::vector<std::string> joined(std::initializer_list<std::vector<std::string>> settings);
 
 }  // namespace umax

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "scenes/sha256.h"
 #include "tools/reproduce/character.h"
@@ -21,7 +22,7 @@ void append_bar(const Vector3d& a, const Vector3d& b, double radius, TriangleMes
   const Vector3d u = along.cross(helper).normalized(), v = along.cross(u);
   const Eigen::Index first = 2 * bar_sides * index;
   for (int i = 0; i < bar_sides; ++i) {
-    const double angle = 2 * M_PI * i / bar_sides;
+    const double angle = 2 * std::numbers::pi * i / bar_sides;
     const Vector3d out = std::cos(angle) * u + std::sin(angle) * v;
     for (int end = 0; end < 2; ++end) {
       mesh.positions.row(first + 2 * i + end) = ((end == 0 ? a : b) + radius * out).transpose();
@@ -67,8 +68,8 @@ Tile with_cage(const Run& run, int frame, const std::string& label) {
 
 ReportSection figure1(Workbench& bench) {
   const Character character = character_of(bench);
-  const Run run = bench.simulate("figure1", character.scene,
-                                 character.settings + std::vector<std::string>{"clip.fps=100", "clip.frames=101"});
+  const Run run =
+      bench.simulate("figure1", character.scene, joined({character.settings, {"clip.fps=100", "clip.frames=101"}}));
   const int lowest =
       frame_of_least(run, 1, run.num_frames(), [&](const State& state) { return highest_point(run, state); });
   const auto picture =

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "embedding/shapes.h"
 #include "scenes/resolved_scene.h"
@@ -26,10 +27,10 @@ const std::vector<Variant>& beams() {
 }
 
 const std::vector<Variant>& ways() {
-  static const std::vector<Variant> all{published_way(),
-                                        {"published-true", "paper's method, true energy",
-                                         published_way().settings + std::vector<std::string>{"solver.energy=true"}},
-                                        exact_way()};
+  static const std::vector<Variant> all{
+      published_way(),
+      {"published-true", "paper's method, true energy", joined({published_way().settings, {"solver.energy=true"}})},
+      exact_way()};
   return all;
 }
 
@@ -52,15 +53,15 @@ double tip_height(const Run& run, const State& state) {
 BeamRuns run_beam(Workbench& bench, const Variant& beam, const Variant& way) {
   const std::string name = fmt::format("figure3-{}-{}", beam.name, way.name);
   BeamRuns runs;
-  runs.swing =
-      bench.simulate(name + "-swing", "beam",
-                     beam.settings + way.settings +
-                         std::vector<std::string>{"clip.fps=100", fmt::format("clip.frames={}", swing_frames)});
+  runs.swing = bench.simulate(
+      name + "-swing", "beam",
+      joined({beam.settings, way.settings, {"clip.fps=100", fmt::format("clip.frames={}", swing_frames)}}));
   // 4 s in steps of 0.02 s, five frames a second
   runs.rest = bench.simulate(name + "-rest", "beam",
-                             beam.settings + way.settings +
-                                 std::vector<std::string>{"solver.tolerance=0.001", "clip.fps=5", "clip.substeps=10",
-                                                          "clip.frames=21", "body.beam.material.damping_mass=4"});
+                             joined({beam.settings,
+                                     way.settings,
+                                     {"solver.tolerance=0.001", "clip.fps=5", "clip.substeps=10", "clip.frames=21",
+                                      "body.beam.material.damping_mass=4"}}));
   runs.lowest_frame = frame_of_least(runs.swing, 1, runs.swing.num_frames(),
                                      [&](const State& state) { return tip_height(runs.swing, state); });
   return runs;
@@ -112,7 +113,7 @@ Tile side_by_side(const std::vector<BeamRuns>& runs, const std::string& label) {
         {.name = "key", .position = {-3, 4, 6}, .target = {0, -0.4, 0}, .size = 3, .power = 900, .color = {1, 1, 1}})};
     const double fov = 9, half_height = 0.5 * std::max(1.5, (width + 0.25) / aspect);
     all.camera.vertical_fov_degrees = float(fov);
-    all.camera.position = Vector3f(0, -0.25f, float(half_height / std::tan(fov / 2 * M_PI / 180)));
+    all.camera.position = Vector3f(0, -0.25f, float(half_height / std::tan(fov / 2 * std::numbers::pi / 180)));
     all.camera.target = Vector3f(0, -0.42f, 0);
     return all;
   };

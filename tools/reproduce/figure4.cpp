@@ -90,9 +90,9 @@ ReportSection figure4(Workbench& bench) {
   for (const Variant& way : ways) {
     std::vector<Run>& of_way = runs.emplace_back();
     for (const Variant& material : materials())
-      of_way.push_back(bench.simulate(fmt::format("figure4-{}-{}", material.name, way.name), "sphere",
-                                      material.settings + way.settings +
-                                          std::vector<std::string>{"clip.fps=100", "clip.frames=201"} + ball_view()));
+      of_way.push_back(
+          bench.simulate(fmt::format("figure4-{}-{}", material.name, way.name), "sphere",
+                         joined({material.settings, way.settings, {"clip.fps=100", "clip.frames=201"}, ball_view()})));
   }
 
   // in the air, at the compliant sphere's lowest point, and at the top of its rebound

@@ -102,9 +102,7 @@ ReportSection figure5(Workbench& bench) {
     for (std::size_t i = 0; i < labels.size(); ++i) {
       const Run run = bench.simulate(
           fmt::format("figure5-{}-{}", names[i], way.name), "collapse",
-          way.settings +
-              std::vector<std::string>{limits[i], "clip.fps=100", fmt::format("clip.frames={}", num_frames)} +
-              ball_view());
+          joined({way.settings, {limits[i], "clip.fps=100", fmt::format("clip.frames={}", num_frames)}, ball_view()}));
       const Motion motion = motion_of(run);
       table.rows.push_back(row_of(fmt::format("{}; {}", labels[i], way.label), run, motion));
       if (way.name != ways.front().name) continue;

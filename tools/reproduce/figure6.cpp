@@ -109,10 +109,11 @@ ReportSection figure6(Workbench& bench) {
   std::vector<LegMotion> motions;
   for (const Variant& way : ways)
     for (const Variant& body : bodies) {
-      const Run run =
-          bench.simulate(fmt::format("figure6-{}-{}", body.name, way.name), character.scene,
-                         character.settings + body.settings + way.settings +
-                             std::vector<std::string>{"clip.fps=100", fmt::format("clip.frames={}", num_frames)});
+      const Run run = bench.simulate(fmt::format("figure6-{}-{}", body.name, way.name), character.scene,
+                                     joined({character.settings,
+                                             body.settings,
+                                             way.settings,
+                                             {"clip.fps=100", fmt::format("clip.frames={}", num_frames)}}));
       const LegMotion leg = leg_motion(run, character.right_leg);
       table.rows.push_back(row_of(body.label + "; " + way.label, run, leg));
       if (way.name != ways.front().name) continue;

@@ -71,10 +71,9 @@ ReportSection performance(Workbench& bench) {
   const std::vector<Variant> ways{published_way(), exact_way()};
   std::vector<Run> runs;
   for (const Variant& way : ways)
-    runs.push_back(
-        bench.simulate("performance-" + way.name, character.scene,
-                       character.settings + way.settings +
-                           std::vector<std::string>{"clip.fps=100", fmt::format("clip.frames={}", num_frames + 1)}));
+    runs.push_back(bench.simulate(
+        "performance-" + way.name, character.scene,
+        joined({character.settings, way.settings, {"clip.fps=100", fmt::format("clip.frames={}", num_frames + 1)}})));
 
   ReportTable table{.name = "cost",
                     .caption = fmt::format("{}: {} frames of one step of 0.01 s, 500 kPa, U ≤ 100 J, from 2 m. "
