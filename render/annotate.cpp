@@ -107,6 +107,8 @@ void draw_plate(cairo_t* cairo, double x, double y, double width, double height,
   cairo_fill(cairo);
 }
 
+constexpr double last_of_ramp = 0.9999;  // color_of_value() is the limit's red from 1 on
+
 struct Bar {
   double x, y, width, height, letter;  // [px] of the ramp
 };
@@ -115,7 +117,7 @@ void draw_ramp(cairo_t* cairo, const Bar& bar) {
   const int num_steps = std::max(int(bar.height), 1);
   cairo_set_antialias(cairo, CAIRO_ANTIALIAS_NONE);
   for (int i = 0; i < num_steps; ++i) {
-    set_code(cairo, code_of_value((i + 0.5) / num_steps * 0.9999));
+    set_code(cairo, code_of_value((i + 0.5) / num_steps * last_of_ramp));
     cairo_rectangle(cairo, bar.x, bar.y + bar.height - i - 1, bar.width, 1);
     cairo_fill(cairo);
   }
@@ -130,12 +132,35 @@ void draw_cap(cairo_t* cairo, const Bar& bar) {
   cairo_fill(cairo);
 }
 
-void draw_ticks(cairo_t* cairo, const Bar& bar, const Legend& legend) {
+std::vector<double> even_ticks(const Legend& legend) {
   const double span = legend.high - legend.low, step = tick_step(span);
+  std::vector<double> ticks;
+  for (double value = std::ceil(legend.low / step - 1e-9) * step; value <= legend.high + 1e-9 * span; value += step)
+    ticks.push_back(value);
+  return ticks;
+}
+
+/// Its low end, then 1, 2, 5 times powers of ten (of a long bar: powers only) as far apart as letters need.
+std::vector<double> logarithmic_ticks(const Legend& legend) {
+  std::vector<double> ticks{legend.low};
+  for (double power = 0.01; power <= legend.high; power *= 10)
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double value = factor * power;
+      if (value > legend.high * (1 + 1e-9) || (factor > 1 && legend.high > 1000)) break;
+      if (place_on(legend, value) - place_on(legend, ticks.back()) >= 0.075) ticks.push_back(value);
+    }
+  return ticks;
+}
+
+std::vector<double> legend_ticks(const Legend& legend) {
+  return legend.logarithmic ? logarithmic_ticks(legend) : even_ticks(legend);
+}
+
+void draw_ticks(cairo_t* cairo, const Bar& bar, const Legend& legend) {
   cairo_set_font_size(cairo, bar.letter);
   cairo_set_line_width(cairo, std::max(1.0, bar.letter / 12));
-  for (double value = std::ceil(legend.low / step - 1e-9) * step; value <= legend.high + 1e-9 * span; value += step) {
-    const double y = bar.y + bar.height * (1 - (value - legend.low) / span);
+  for (const double value : legend_ticks(legend)) {
+    const double y = bar.y + bar.height * (1 - place_on(legend, value));
     cairo_set_source_rgb(cairo, 0.95, 0.95, 0.95);
     cairo_move_to(cairo, bar.x + bar.width, y);
     cairo_line_to(cairo, bar.x + bar.width + 0.3 * bar.letter, y);
@@ -153,6 +178,18 @@ double tick_step(double span, int num_ticks) {
   return 10 * power;
 }
 
+double place_on(const Legend& legend, double value) {
+  if (!legend.logarithmic) return (value - legend.low) / (legend.high - legend.low);
+  const double low = std::log1p(legend.low);
+  return (std::log1p(value) - low) / (std::log1p(legend.high) - low);
+}
+
+Vector3f color_on(const Legend& legend, double value) {
+  const double place = place_on(legend, value);
+  if (legend.ends_at_limit) return color_of_value(place >= 1 - legend.slack ? 1 : place);
+  return color_of_value(place > last_of_ramp ? last_of_ramp : place);
+}
+
 void draw_legend(Image8& image, const Legend& legend) {
   if (!(legend.high > legend.low)) return;
   const Canvas canvas(image);
@@ -160,7 +197,7 @@ void draw_legend(Image8& image, const Legend& legend) {
   const double letter = std::max(9.0, 0.030 * image.height), margin = 0.9 * letter;
   cairo_set_font_size(cairo, letter);
   double label_width = 0;
-  for (const double value : {legend.low, legend.high, legend.low + tick_step(legend.high - legend.low)})
+  for (const double value : legend_ticks(legend))
     label_width = std::max(label_width, text_width(cairo, number_text(value)));
 
   Bar bar{0, 0, std::round(1.1 * letter), std::round(0.52 * image.height), letter};
@@ -175,7 +212,7 @@ void draw_legend(Image8& image, const Legend& legend) {
   cairo_set_source_rgb(cairo, 0.97, 0.97, 0.97);
   write_text(cairo, legend.title, left + margin, top + margin + 0.75 * letter);
   draw_ramp(cairo, bar);
-  if (legend.high == 1) draw_cap(cairo, bar);
+  if (legend.ends_at_limit) draw_cap(cairo, bar);
   draw_ticks(cairo, bar, legend);
 }
 

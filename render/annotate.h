@@ -12,8 +12,15 @@ namespace umax {
 /// The distance of ticks on an axis: 1, 2 or 5 times a power of ten, about `num_ticks` of them over `span`.
 double tick_step(double span, int num_ticks = 5);
 
-/// Draws the colour bar of color_of_value() with title, ticks and numbers into the right edge of an RGB picture. A bar
-/// that ends at 1 shows the limit's red as a cap of its own.
+/// Where a value stands on the bar: 0 at its low, 1 at its high end.
+double place_on(const Legend& legend, double value);
+
+/// The bar's linear Rec. 709 colour of a value: color_of_value() of its place; red where a limit is reached; beyond the
+/// end of a bar that does not end at a limit the end's colour.
+Vector3f color_on(const Legend& legend, double value);
+
+/// Draws the colour bar with title, ticks and numbers into the right edge of an RGB picture. A bar that ends at a limit
+/// shows the red of the reached limit as a cap of its own.
 void draw_legend(Image8& image, const Legend& legend);
 
 struct LabelOptions {

@@ -78,6 +78,9 @@ struct WireOverlay {
 struct Legend {
   std::string title;  // "U / U_max"
   double low = 0, high = 1;
+  bool ends_at_limit = false;  // high is a limit: the red of color_of_value() from there on, apart from the bar
+  double slack = 0;            // [-] of the bar: so near its end a limit counts as reached
+  bool logarithmic = false;    // even in log(1 + value) instead of in value; low >= 0
 };
 
 struct RenderScene {

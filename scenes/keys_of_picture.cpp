@@ -153,8 +153,14 @@ SceneSection render_section() {
            "reflections of a path, at most (embree)");
   keys.add("denoise", FlagKind(), UMAX_FIELD(denoise), "feature-guided filter (embree)");
   keys.add("seed", IntegerKind{.low = 0}, UMAX_FIELD(seed), "of the noise (embree)");
-  keys.add("heatmap", ChoiceKind<Heatmap>{{{"none", Heatmap::none}, {"energy", Heatmap::energy}}}, UMAX_FIELD(heatmap),
-           "energy: colours show U/U_max");
+  keys.add("heatmap",
+           ChoiceKind<Heatmap>{{{"none", Heatmap::none},
+                                {"energy", Heatmap::energy},
+                                {"multiplier", Heatmap::multiplier},
+                                {"stretch", Heatmap::stretch}}},
+           UMAX_FIELD(heatmap),
+           "energy: colours show U/U_max; multiplier: lambda/U_max, the times a limit stiffens a hex; stretch: by "
+           "energy, in %");
   keys.add("wireframe", FlagKind(), UMAX_FIELD(wireframe), "draws the cage over the picture (osmesa)");
   keys.add("exr", FlagKind(), UMAX_FIELD(exr), "writes NNNN.exr beside NNNN.png");
   keys.add("backdrop", ColorKind{.bounded = false}, UMAX_FIELD(backdrop),

@@ -104,7 +104,12 @@ struct LightDescription {
 };
 
 enum class RenderEngine { embree, osmesa };
-enum class Heatmap { none, energy };
+enum class Heatmap {
+  none,
+  energy,      // U/U_max
+  multiplier,  // lambda/U_max
+  stretch,     // sqrt(2 U/(Y V))
+};
 struct RenderDescription {
   RenderEngine engine = RenderEngine::embree;
   int width = 1280, height = 720;  // [px]

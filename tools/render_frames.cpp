@@ -25,13 +25,21 @@ bool has_picture(const RunFolder& folder, int frame, bool exr) {
          (!exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
 }
 
-/// Box around the surface in all states that are there.
-Box motion_box(const Simulation& simulation, const std::filesystem::path& run) {
-  Box box;
+/// What all states that are there take up.
+struct Motion {
+  Box box;  // around the surfaces
+  HeatRange heat;
+};
+
+Motion motion_of(const Simulation& simulation, const std::filesystem::path& run) {
+  Motion motion;
   const int count = std::min(count_states(run), simulation.last_frame());
-  for (int frame = 1; frame <= count; ++frame)
-    box.extend(box_of(simulation, read_state(state_path(run, frame), simulation.model, simulation.digest).positions));
-  return box;
+  for (int frame = 1; frame <= count; ++frame) {
+    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
+    motion.box.extend(box_of(simulation, state.positions));
+    extend(motion.heat, simulation, state);
+  }
+  return motion;
 }
 
 /// Digest of the scene as it is drawn: how many frames there are does not matter.
@@ -48,6 +56,13 @@ std::string camera_text(const Camera& camera) {
   return text;
 }
 
+/// Of a heat map's bar, whose range depends on the motion.
+std::string legend_text(const Stage& stage) {
+  if (!stage.legend) return {};
+  const Legend& legend = *stage.legend;
+  return fmt::format("heat to {} {} {} ", legend.high, legend.ends_at_limit, legend.slack);
+}
+
 void require_states(const std::filesystem::path& run, const std::vector<int>& frames) {
   for (const int frame : frames)
     if (std::error_code error; !std::filesystem::exists(state_path(run, frame), error))
@@ -61,11 +76,12 @@ void require_states(const std::filesystem::path& run, const std::vector<int>& fr
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames) {
   require_states(run, frames);
-  const Box box = motion_box(simulation, run);
-  const Camera camera = frame_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render));
-  auto stage = std::make_shared<const Stage>(make_stage(simulation, box));
+  const Motion motion = motion_of(simulation, run);
+  const RenderDescription& render = simulation.scene.render;
+  const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, motion.box, motion.heat));
   RunPictures pictures;
-  pictures.digest = picture_digest(simulation, "run " + camera_text(camera));
+  pictures.digest = picture_digest(simulation, "run " + camera_text(camera) + legend_text(*stage));
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, run, camera, stage](int frame) {
     return make_shot(simulation, *stage, read_state(state_path(run, frame), simulation.model, simulation.digest),
@@ -76,9 +92,12 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
 
 RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames) {
   const Box box = box_of(simulation, state.positions);
-  auto stage = std::make_shared<const Stage>(make_stage(simulation, box));
+  HeatRange range;
+  extend(range, simulation, state);
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, box, range));
   RunPictures pictures;
-  pictures.digest = picture_digest(simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()));
+  pictures.digest = picture_digest(
+      simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()) + legend_text(*stage));
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, state, box, stage](int frame) {
     const double turn = double(frame - 1) / simulation.last_frame();

@@ -7,7 +7,7 @@
 
 #include "embedding/hex_faces.h"
 #include "embedding/shapes.h"
-#include "render/colormap.h"
+#include "render/annotate.h"
 #include "render/image_io.h"
 
 namespace umax {
@@ -39,29 +39,32 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
   return out;
 }
 
-/// U/U_max at a body's vertices: of the hex that holds it, unsmoothed, so that a limit that is reached looks like one;
-/// of a vertex that is a node, the largest of its hexes.
-VectorXd heat(const BodySetup& body, const VectorXd& ratios) {
+/// The hexes' values at a body's vertices: of the hex that holds it, unsmoothed, so that a limit that is reached looks
+/// like one; of a vertex that is a node, the largest of its hexes.
+VectorXd values_at_vertices(const BodySetup& body, const VectorXd& heat) {
   const VectorXi& hex = body.embedding.points.hex;
   VectorXd values(hex.size());
-  for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = ratios[body.first_hex + hex[p]];
+  for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = heat[body.first_hex + hex[p]];
   if (!body.shape.hexes || !body.shape.hexes->are_the_body()) return values;
   VectorXd of_nodes = VectorXd::Zero(body.lattice.num_nodes());
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e)
     for (const int node : body.lattice.hexes.row(e))
-      of_nodes[node] = std::max(of_nodes[node], ratios[body.first_hex + e]);
+      of_nodes[node] = std::max(of_nodes[node], heat[body.first_hex + e]);
   for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = of_nodes[body.shape.hexes->surface_nodes[std::size_t(p)]];
   return values;
 }
 
-Points heat_colors(const BodySetup& body, const VectorXd& ratios) {
-  const VectorXd values = heat(body, ratios);
+Points heat_colors(const BodySetup& body, const VectorXd& heat, const Legend& legend) {
+  const VectorXd values = values_at_vertices(body, heat);
   Points colors(values.size(), 3);
-  for (Eigen::Index p = 0; p < values.size(); ++p) colors.row(p) = color_of_value(values[p]).cast<double>().transpose();
+  for (Eigen::Index p = 0; p < values.size(); ++p)
+    colors.row(p) = color_on(legend, values[p]).cast<double>().transpose();
   return colors;
 }
 
-RenderObject draw_body(const Simulation& simulation, std::size_t index, const State& state, const VectorXd* ratios) {
+/// heat: of all hexes, read from the legend; without one it is not looked at.
+RenderObject draw_body(const Simulation& simulation, std::size_t index, const State& state, const VectorXd& heat,
+                       const std::optional<Legend>& legend) {
   const BodySetup& body = simulation.bodies[index];
   auto mesh = std::make_shared<TriangleMesh>(body.shape.mesh);
   deform(body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
@@ -71,8 +74,8 @@ RenderObject draw_body(const Simulation& simulation, std::size_t index, const St
   object.look.texture = body.texture;
   // a painted mesh keeps its paint unless the scene asks for a colour
   object.look.vertex_colors = mesh->colors.rows() > 0 && object.look.base_color == Look().base_color;
-  if (ratios != nullptr) {
-    mesh->colors = heat_colors(body, *ratios);
+  if (legend) {
+    mesh->colors = heat_colors(body, heat, *legend);
     object.look = Look();
     object.look.roughness = 0.6f;
     object.look.vertex_colors = true;
@@ -127,12 +130,13 @@ Box box_of(const Simulation& simulation, const Points& nodes) {
   return box;
 }
 
-Stage make_stage(const Simulation& simulation, const Box& box) {
+Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range) {
   Stage stage;
   for (const LightDescription& light : simulation.scene.lights) stage.lights.push_back(area_light(light));
   stage.sky = read_sky(simulation.scene.render);
   stage.ground = std::make_shared<const TriangleMesh>(make_plane(60 * box.diagonal().norm()));
   if (simulation.scene.render.wireframe) stage.cage_edges = outer_edges(simulation.model.hexes);
+  stage.legend = heat_legend(simulation, range);
   return stage;
 }
 
@@ -144,15 +148,11 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
   shot.backdrop = render.backdrop;
   shot.camera = camera;
   shot.exposure_stops = float(render.exposure_stops);
+  shot.legend = stage.legend;
 
-  VectorXd ratios;
-  const bool heat = render.heatmap == Heatmap::energy;
-  if (heat) {
-    ratios = energy_ratios(simulation.model, simulation.options.solver, state);
-    shot.legend = Legend{.title = "U / U_max", .low = 0, .high = 1};
-  }
+  const VectorXd heat = heat_values(simulation, state);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
-    shot.objects.push_back(draw_body(simulation, i, state, heat ? &ratios : nullptr));
+    shot.objects.push_back(draw_body(simulation, i, state, heat, stage.legend));
   draw_obstacles(simulation, stage, state.time, shot);
   if (!stage.cage_edges.empty()) shot.wires = draw_cage(stage, state.positions);
   return shot;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "render/render_scene.h"
 #include "tools/camera_framing.h"
+#include "tools/heat.h"
 #include "tools/simulation_setup.h"
 
 namespace umax {
@@ -17,10 +19,12 @@ struct Stage {
   Sky sky;
   std::shared_ptr<const TriangleMesh> ground;   // square that half spaces are drawn as
   std::vector<std::pair<int, int>> cage_edges;  // the cage's outer edges, nodes of the model
+  std::optional<Legend> legend;                 // of the heat map
 };
 
-/// box: around the motion; the ground reaches far beyond it. Throws Error when the sky's picture cannot be read.
-Stage make_stage(const Simulation& simulation, const Box& box);
+/// box: around the motion; the ground reaches far beyond it. range: of the motion, for heat maps. Throws Error when the
+/// sky's picture cannot be read.
+Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range = {});
 
 /// Box around the bodies' surfaces.
 Box box_of(const Simulation& simulation, const Points& nodes);

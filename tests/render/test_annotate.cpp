@@ -9,6 +9,7 @@
 #include "render/srgb.h"
 #include "render/write_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/value_colors.h"
 
 using namespace umax;
 
@@ -29,16 +30,6 @@ double lightness(const Vector3f& rgb) {
   const double s =
       std::cbrt(0.0883024619 * double(rgb[0]) + 0.2817188376 * double(rgb[1]) + 0.6299787005 * double(rgb[2]));
   return 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
-}
-
-/// Pixels whose codes differ by at most 3 from the value's colour.
-int num_of_color(const Image8& image, double value) {
-  const auto code = code_of_value(value);
-  const auto near = [](int a, int b) { return std::abs(a - b) <= 3; };
-  int count = 0;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) count += std::equal(code.data(), code.data() + 3, image.pixel(x, y), near);
-  return count;
 }
 
 }  // namespace
@@ -64,15 +55,40 @@ TEST_CASE("a reached limit has a colour of its own") {
 
 TEST_CASE("the legend shows every colour of the bar and the limit's cap, in the right part only") {
   Image8 image = plain(320, 180, 128);
-  draw_legend(image, {"U / Umax", 0, 1});
+  draw_legend(image, {.title = "U / Umax", .ends_at_limit = true});
   CHECK(num_of_color(image, 1) > 30);
   CHECK(num_of_color(image, 0.5) >= 8);
   CHECK(num_of_color(image, 0.002) >= 1);
   for (int y = 0; y < image.height; ++y) REQUIRE(int(image.pixel(160, y)[0]) == 128);
 
   Image8 without_limit = plain(320, 180, 128);
-  draw_legend(without_limit, {"stress [kPa]", 0, 250});
+  draw_legend(without_limit, {.title = "stress [kPa]", .high = 250});
   CHECK(num_of_color(without_limit, 1) == 0);
+}
+
+TEST_CASE("a logarithmic legend gives equal factors of 1 + value equal lengths") {
+  const Legend legend{.title = "times", .low = 0, .high = 99, .logarithmic = true};
+  CHECK(place_on(legend, 0) == 0);
+  CHECK(place_on(legend, 9) == Approx(0.5));
+  CHECK(place_on(legend, 99) == Approx(1));
+  const Legend even{.title = "even", .low = 2, .high = 6};
+  CHECK(place_on(even, 3) == Approx(0.25));
+  Image8 image = plain(320, 180, 128);
+  draw_legend(image, legend);
+  CHECK(num_of_color(image, 0.5) >= 8);
+}
+
+TEST_CASE("values beyond a bar are red only where it ends at a limit") {
+  const Legend round{.title = "stretch [%]", .high = 25},
+      limit{.title = "stretch [%]", .high = 25, .ends_at_limit = true};
+  CHECK(color_on(limit, 25) == color_of_value(1));
+  const Legend slack{.title = "stretch [%]", .high = 25, .ends_at_limit = true, .slack = 0.01};
+  CHECK(color_on(slack, 24.8) == color_of_value(1));
+  CHECK(color_on(slack, 24.7) == color_on(limit, 24.7));
+  CHECK(color_on(round, 25) == color_on(round, 40));
+  CHECK((color_on(round, 25) - color_of_value(0.999)).norm() < 0.01f);
+  CHECK(color_on(round, 5) == color_on(limit, 5));
+  CHECK(color_on(round, 5) == color_of_value(0.2));
 }
 
 TEST_CASE("labels write light letters where asked, and the same ones every time") {

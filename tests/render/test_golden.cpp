@@ -80,7 +80,7 @@ TEST_CASE("rasterised pictures look like their references") {
       }
     }
     scene.wires = wires;
-    scene.legend = Legend{"U / Umax", 0, 1};
+    scene.legend = Legend{.title = "U / Umax", .ends_at_limit = true};
     scene.camera.target = {0.3f, 0.8f, 0};
     const Image linear = rasterize(scene, small);
     scene.legend.reset();  // its letters are hinted otherwise by every FreeType: test_annotate holds the legend
