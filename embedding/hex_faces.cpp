@@ -39,6 +39,15 @@ std::vector<HexFace> boundary_faces(const Hexes& hexes) {
   return boundary;
 }
 
+std::vector<std::pair<int, int>> outer_edges(const Hexes& hexes) {
+  std::vector<std::pair<int, int>> edges;
+  for (const HexFace& face : boundary_faces(hexes))
+    for (std::size_t i = 0; i < 4; ++i) edges.push_back(std::minmax({face.corners[i], face.corners[(i + 1) % 4]}));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
 HexSurface surface_of(const Points& nodes, const Hexes& hexes) {
   const std::vector<HexFace> faces = boundary_faces(hexes);
   std::vector<int> vertex(std::size_t(nodes.rows()), -1);

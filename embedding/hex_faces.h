@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "core/triangle_mesh.h"
@@ -35,6 +36,9 @@ void for_each_face(const std::vector<HexFace>& faces, Visit visit) {
 
 /// The faces that belong to one hex only.
 std::vector<HexFace> boundary_faces(const Hexes& hexes);
+
+/// Their edges as pairs of nodes, each once, sorted.
+std::vector<std::pair<int, int>> outer_edges(const Hexes& hexes);
 
 struct HexSurface {
   TriangleMesh mesh;       // the boundary faces, cut in two from their lowest node; vertices in the order of the nodes

@@ -13,16 +13,6 @@
 namespace umax {
 namespace {
 
-/// Edges of the faces that belong to one hex only, each once.
-std::vector<std::pair<int, int>> outer_edges(const Hexes& hexes) {
-  std::vector<std::pair<int, int>> edges;
-  for (const HexFace& face : boundary_faces(hexes))
-    for (std::size_t i = 0; i < 4; ++i) edges.push_back(std::minmax({face.corners[i], face.corners[(i + 1) % 4]}));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
-}
-
 Sky read_sky(const RenderDescription& render) {
   if (const auto* map = std::get_if<EnvironmentMap>(&render.sky)) {
     EnvironmentMap loaded = *map;

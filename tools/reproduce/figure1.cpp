@@ -1,14 +1,15 @@
 // Figure 1: a complex character in its lattice.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
+#include "embedding/hex_faces.h"
 #include "scenes/sha256.h"
 #include "tools/reproduce/character.h"
 #include "tools/reproduce/experiments.h"
 #include "tools/reproduce/run_measures.h"
-#include "tools/shot.h"
 
 namespace umax {
 namespace {
@@ -35,14 +36,14 @@ void append_bar(const Vector3d& a, const Vector3d& b, double radius, TriangleMes
 }
 
 /// The cage's outer edges as thin bars.
-RenderObject cage_object(const Stage& stage, const Points& nodes, double radius) {
+RenderObject cage_object(const std::vector<std::pair<int, int>>& edges, const Points& nodes, double radius) {
   auto mesh = std::make_shared<TriangleMesh>();
-  const Eigen::Index count = Eigen::Index(stage.cage_edges.size());
+  const Eigen::Index count = Eigen::Index(edges.size());
   mesh->positions.resize(2 * bar_sides * count, 3);
   mesh->normals.resize(2 * bar_sides * count, 3);
   mesh->triangles.resize(2 * bar_sides * count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
-    append_bar(nodes.row(stage.cage_edges[i].first), nodes.row(stage.cage_edges[i].second), radius, *mesh, i);
+    append_bar(nodes.row(edges[i].first), nodes.row(edges[i].second), radius, *mesh, i);
   RenderObject object{.name = "cage", .mesh = mesh, .look = {}};
   object.look.base_color = Vector3f(0.03f, 0.05f, 0.09f);
   object.look.roughness = 0.5f;
@@ -54,11 +55,9 @@ Tile with_cage(const Run& run, int frame, const std::string& label) {
   tile.key = sha256_hex(tile.key + "cage");
   tile.shot = [run, frame, plain = tile.shot](double aspect) {
     RenderScene shot = plain(aspect);
-    Simulation drawn = *run.simulation;
-    drawn.scene.render.wireframe = true;
-    const State state = run.state(frame);
-    const Stage stage = make_stage(drawn, box_of(drawn, state.positions));
-    shot.objects.push_back(cage_object(stage, state.positions, 0.025 * drawn.model.bodies.front().cell_size));
+    const Model& model = run.simulation->model;
+    shot.objects.push_back(
+        cage_object(outer_edges(model.hexes), run.state(frame).positions, 0.025 * model.bodies.front().cell_size));
     return shot;
   };
   return tile;

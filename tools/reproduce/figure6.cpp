@@ -30,11 +30,12 @@ std::pair<int, int> impact_frames(const Run& run) {
   return {first, std::min(first + int(impact_seconds * run.simulation->scene.clip.fps), run.num_frames())};
 }
 
-/// The right leg, frame by frame: what is left of its height, and of its length; the least of both in the impact.
+/// The right leg, frame by frame: what is left of its height, and of its length; the least of both in the impact, and
+/// the lowest that the body's highest point is then.
 struct LegMotion {
-  std::vector<double> time, height, length;                                     // [s], [m], [m]
-  double least_height = 0, least_length = 0, rest_height = 0, rest_length = 0;  // [m]
-  int least_frame = 1;                                                          // of the length
+  std::vector<double> time, height, length;                                                     // [s], [m], [m]
+  double least_height = 0, least_length = 0, rest_height = 0, rest_length = 0, lowest_top = 0;  // [m]
+  int least_frame = 1;                                                                          // of the length
 };
 
 LegMotion leg_motion(const Run& run, const LimbBox& box) {
@@ -42,29 +43,28 @@ LegMotion leg_motion(const Run& run, const LimbBox& box) {
   LegMotion motion;
   motion.rest_height = leg.rest_height;
   motion.rest_length = leg.rest_length;
+  std::vector<double> top;
   for (int frame = 1; frame <= run.num_frames(); ++frame) {
     const Points surface = surface_points(run, run.state(frame));
     motion.time.push_back(run.time_of(frame));
     motion.height.push_back(limb_height(leg, surface));
     motion.length.push_back(limb_length(leg, surface));
+    top.push_back(surface.col(1).maxCoeff());
   }
   const auto [first, last] = impact_frames(run);
   const auto least = std::min_element(motion.length.begin() + first - 1, motion.length.begin() + last);
   motion.least_length = *least;
   motion.least_frame = int(least - motion.length.begin()) + 1;
   motion.least_height = *std::min_element(motion.height.begin() + first - 1, motion.height.begin() + last);
+  motion.lowest_top = *std::min_element(top.begin() + first - 1, top.begin() + last);
   return motion;
 }
 
 ReportRow row_of(const std::string& label, const Run& run, const LegMotion& leg) {
-  const auto [first, last] = impact_frames(run);
-  double lowest_top = highest_point(run, run.state(first));
-  for (int frame = first + 1; frame <= last; ++frame)
-    lowest_top = std::min(lowest_top, highest_point(run, run.state(frame)));
   return {label,
           {number_cell(leg.least_height), number_cell(100 * (1 - leg.least_height / leg.rest_height)),
            number_cell(leg.least_length), number_cell(100 * (1 - leg.least_length / leg.rest_length)),
-           number_cell(lowest_top), number_cell(largest(run.column("limits_active"))),
+           number_cell(leg.lowest_top), number_cell(largest(run.column("limits_active"))),
            number_cell(largest(run.column("contacts"))), number_cell(largest(run.column("max_energy_ratio")), 5),
            number_cell(num_unconverged(run))}};
 }

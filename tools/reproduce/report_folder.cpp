@@ -46,10 +46,6 @@ void remove_runs(const fs::path& runs) {
 
 }  // namespace
 
-void check_report_folder(const fs::path& path, ExistingFolder existing) {
-  check_folder(path, existing, report_kind);
-}
-
 ReportFolder::ReportFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, report_kind) {
   if (!folder_.is_new()) record_ = read_record(this->path()).value_or(ReportRecord{});
   if (existing == ExistingFolder::overwrite && !folder_.is_new()) {

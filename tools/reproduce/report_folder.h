@@ -16,9 +16,6 @@ struct ReportRecord {
   std::map<std::string, std::string> pictures;  // file name: digest of all that decides the picture
 };
 
-/// Throws what LockedFolder throws for a folder that is there already.
-void check_report_folder(const std::filesystem::path& path, ExistingFolder existing);
-
 /// Owns the lock on a report's folder while it lives.
 class ReportFolder {
  public:

@@ -59,12 +59,13 @@ Run Workbench::simulate(const std::string& name, const std::string& scene, const
   run.folder = folder_.runs() / name;
   run.simulation = std::make_shared<const Simulation>(set_up(load_scene(scene, overrides)));
   if (!is_complete(*run.simulation, run.folder)) {
-    progress_.note("run " + name);
+    const bool stale = is_stale(*run.simulation, run.folder);
+    progress_.note("run " + name + (stale ? ": what is there was made with other settings and is made anew" : ""));
     Job job;
     job.scene = run.simulation->scene;
     job.simulation = run.simulation;
     job.folder = run.folder;
-    job.existing = is_stale(*run.simulation, run.folder) ? ExistingFolder::overwrite : ExistingFolder::keep;
+    job.existing = stale ? ExistingFolder::overwrite : ExistingFolder::keep;
     job.pictures = false;
     create_folder(folder_.runs());
     if (do_job(job, options_) != 0) throw Interrupted{stop_signal()};
