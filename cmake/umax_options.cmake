@@ -58,3 +58,16 @@ function(umax_library room)
     target_precompile_headers(umax_${room} REUSE_FROM umax_core)
   endif()
 endfunction()
+
+# umax_embed(<array> FILES <files>): compiles files in as string literals (see embed_files.cmake) and sets <array> to the
+# source file that holds them
+function(umax_embed array)
+  cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
+  list(TRANSFORM arg_FILES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${array}.cpp)
+  set(script ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake)
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DNAME=${array} "-DFILES=${arg_FILES}" -P ${script}
+    DEPENDS ${arg_FILES} ${script} VERBATIM)
+  set(${array} ${output} PARENT_SCOPE)
+endfunction()

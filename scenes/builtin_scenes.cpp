@@ -13,9 +13,14 @@ extern const std::size_t num_embedded_scenes;
 
 namespace {
 
-BuiltinScene describe(const std::string& name, std::string_view text) {
-  BuiltinScene scene{name, "", text};
-  const SceneValue root = parse_toml(text, {.file = "built-in " + name + ".toml"});
+std::string name_of(std::size_t index) {
+  const std::string file = embedded_scenes[index].first;
+  return file.substr(0, file.rfind('.'));
+}
+
+BuiltinScene describe(std::size_t index) {
+  BuiltinScene scene{name_of(index), "", embedded_scenes[index].second};
+  const SceneValue root = parse_toml(scene.text, {.file = "built-in " + scene.name + ".toml"});
   for (const auto& [key, value] : *root.as<SceneValue::Table>())
     if (const auto* description = value.as<std::string>(); description && key == "description")
       scene.description = *description;
@@ -26,14 +31,13 @@ BuiltinScene describe(const std::string& name, std::string_view text) {
 
 std::vector<BuiltinScene> builtin_scenes() {
   std::vector<BuiltinScene> scenes;
-  for (std::size_t i = 0; i < num_embedded_scenes; ++i)
-    scenes.push_back(describe(embedded_scenes[i].first, embedded_scenes[i].second));
+  for (std::size_t i = 0; i < num_embedded_scenes; ++i) scenes.push_back(describe(i));
   return scenes;
 }
 
 std::optional<BuiltinScene> find_builtin_scene(const std::string& name) {
   for (std::size_t i = 0; i < num_embedded_scenes; ++i)
-    if (name == embedded_scenes[i].first) return describe(name, embedded_scenes[i].second);
+    if (name == name_of(i)) return describe(i);
   return std::nullopt;
 }
 

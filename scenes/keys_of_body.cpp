@@ -179,6 +179,29 @@ void add_cage_keys(Keys& keys) {
            {.belongs_to = "cage.cells and cage.cell_size; the hexes of a file are the whole cage"});
 }
 
+// presets are expanded before keys are read (scenes/presets.h), and a resolved scene has their values
+template <class Keys>
+void add_preset_key(Keys& keys) {
+  keys.add_custom(
+      "material.preset", TextKind().type(),
+      "a material by name (umax presets): gives the material and limit keys that are not given here", {.unset = "none"},
+      [](const SceneValue& value, BodyDescription&) { TextKind().read(value); },
+      [](const BodyDescription&) { return std::optional<std::string>(); });
+}
+
+// A --set of the preset drops the file's material and limit, but for what is painted or weighed.
+void let_preset_reset(SceneSection& section) {
+  std::vector<std::string> replaced;
+  for (const SceneKey& key : section.keys) {
+    const bool is_material = key.name.starts_with("material.") || key.name.starts_with("limit.");
+    const bool stays =
+        key.name == "material.preset" || key.name == "material.mass" || key.name.find("map") != std::string::npos;
+    if (is_material && !stays) replaced.push_back(key.name);
+  }
+  for (SceneKey& key : section.keys)
+    if (key.name == "material.preset") key.resets = replaced;
+}
+
 template <class Keys>
 void add_material_keys(Keys& keys) {
   keys.add("material.young", TrackKind<NumberKind>{{units::pressure, {.low = 0, .high = 1e15, .low_open = true}}},
@@ -280,6 +303,7 @@ SceneSection body_section() {
   keys.add_custom("contact", "\"obstacles\"", "what it touches", {}, read_contact,
                   [](const BodyDescription&) { return std::optional<std::string>("\"obstacles\""); });
   add_cage_keys(keys);
+  add_preset_key(keys);
   add_material_keys(keys);
   add_limit_keys(keys);
   keys.add_custom("fixed", "list of { min = [x, y, z], max = [x, y, z] } [m]",
@@ -294,6 +318,7 @@ SceneSection body_section() {
       [texture](const BodyDescription& body) -> std::optional<std::string> {
         return texture(body) ? std::optional(PathKind().write(body.texture_path)) : std::nullopt;
       });
+  let_preset_reset(section);
   return section;
 }
 

@@ -11,6 +11,10 @@ SceneSection top_section() {
   SectionBuilder<Scene, decltype(at)> keys(section, at);
   keys.add("name", TextKind(), UMAX_FIELD(name), "what the scene is called", {.unset = "the file's stem"});
   keys.add("description", TextKind(), UMAX_FIELD(description), "one line about it");
+  // presets are expanded before keys are read, and a resolved scene has their values
+  keys.add_custom(
+      "presets", ExistingFileKind().type(), "file of materials of your own for material.preset", {.unset = "none"},
+      [](const SceneValue&, Scene&) {}, [](const Scene&) { return std::optional<std::string>(); });
   return section;
 }
 

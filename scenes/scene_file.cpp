@@ -5,6 +5,7 @@
 
 #include "scenes/builtin_scenes.h"
 #include "scenes/nearest_word.h"
+#include "scenes/presets.h"
 #include "scenes/scene_checks.h"
 #include "scenes/toml_text.h"
 
@@ -30,7 +31,15 @@ Scene read_document(const SceneDocument& document, const std::string& name) {
   return scene;
 }
 
-std::string read_text(const fs::path& path) {
+bool names_a_file(const std::string& scene) {
+  std::error_code failed;
+  return scene.find('/') != std::string::npos || fs::path(scene).extension() == ".toml" ||
+         fs::is_regular_file(scene, failed);
+}
+
+}  // namespace
+
+std::string read_scene_text(const fs::path& path) {
   constexpr std::uintmax_t largest = 64 << 20;
   std::error_code failed;
   if (fs::is_directory(path, failed))
@@ -52,14 +61,6 @@ std::string read_text(const fs::path& path) {
   return text;
 }
 
-bool names_a_file(const std::string& scene) {
-  std::error_code failed;
-  return scene.find('/') != std::string::npos || fs::path(scene).extension() == ".toml" ||
-         fs::is_regular_file(scene, failed);
-}
-
-}  // namespace
-
 Override parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   const auto trimmed = [](std::string part) {
@@ -80,6 +81,7 @@ Scene parse_scene(const SceneText& source, const std::vector<Override>& override
   check_groups(document);
   apply_overrides(document, overrides, fs::current_path());
   check_groups(document);
+  expand_presets(document);
   return read_document(document, source.name);
 }
 
@@ -89,7 +91,7 @@ Scene load_scene(const std::string& scene, const std::vector<Override>& override
                        overrides);
   if (names_a_file(scene)) {
     const fs::path path = scene;
-    return parse_scene({.text = read_text(path),
+    return parse_scene({.text = read_scene_text(path),
                         .file = scene,
                         .folder = fs::absolute(path).parent_path(),
                         .name = path.stem().string()},

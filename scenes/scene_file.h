@@ -18,6 +18,9 @@ Override parse_override(const std::string& text);
 /// and remedy.
 Scene load_scene(const std::string& scene, const std::vector<Override>& overrides = {});
 
+/// The text of a file that should be TOML. Throws Error (not_found, bad_data).
+std::string read_scene_text(const std::filesystem::path& path);
+
 /// A scene as text. file: what messages call it; folder: where its relative paths start; name: unless the text has one.
 struct SceneText {
   std::string text;

@@ -11,7 +11,8 @@
 namespace umax {
 namespace {
 
-constexpr std::string_view everywhere = "run simulate render turntable drop inspect scenes reproduce fit compare help";
+constexpr std::string_view everywhere =
+    "run simulate render turntable drop inspect scenes presets reproduce fit compare help";
 constexpr std::string_view not_built[] = {"tune", "export"};
 
 /// An option with the verbs that take it and what help says of it.
@@ -103,7 +104,7 @@ class Grammar {
     constexpr std::string_view folders = "run simulate render turntable drop reproduce";
     add("-o,--output", "DIR", o.output, "run simulate render turntable drop reproduce fit",
         "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; fit: ./NAME-fit)");
-    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect reproduce",
+    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect presets reproduce",
         "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable")
         ->allow_extra_args(false);
     add("--frames", "LIST", o.frames, runs, "only these frames, as in 1-40,50,60-90x2");

@@ -36,6 +36,12 @@ const std::vector<VerbHelp>& verbs() {
        "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used.\n\n"
        "  umax inspect bunny.ply --json\n"},
       {"scenes", "", "lists the built-in scenes", "One line each: name, then a description.\n"},
+      {"presets", "[NAME…]", "lists the materials that scenes can name",
+       "One line each: name, then a description. With names it prints their keys, ready for a scene's [body.NAME], "
+       "and\n"
+       "where the numbers come from. --set presets=FILE adds a file of your own.\n\n"
+       "  umax presets rubber\n"
+       "  umax run figure --set body.figure.material.preset=gel\n"},
       {"reproduce", "[NAME…]", "the paper's figures and tables",
        "Runs the experiments of the paper that the program implements and writes DIR/index.html, a page that shows "
        "what\n"

@@ -12,6 +12,7 @@ int verb_turntable(const Options& options);
 int verb_drop(const Options& options);
 int verb_inspect(const Options& options);
 int verb_scenes(const Options& options);
+int verb_presets(const Options& options);
 int verb_reproduce(const Options& options);
 int verb_fit(const Options& options);
 int verb_compare(const Options& options);
