@@ -191,6 +191,8 @@ void add_sky(const Image& surroundings, int count, const Focus& focus, Frame& fr
 Image blurred(const Image& source, float roughness) {
   const float alpha = roughness * roughness, a2 = alpha * alpha;
   std::vector<Vector3f> directions;
+  std::vector<float> solid_angles;  // of a pixel in each row
+  for (int y = 0; y < source.height; ++y) solid_angles.push_back(solid_angle(source, y));
   for (int y = 0; y < source.height; ++y)
     for (int x = 0; x < source.width; ++x)
       directions.push_back(
@@ -203,7 +205,7 @@ Image blurred(const Image& source, float roughness) {
       if (cosine <= 0) continue;
       // the half vector lies at half the angle
       const float n_h2 = 0.5f * (1 + cosine), d = n_h2 * (a2 - 1) + 1;
-      const float weight = a2 / (d * d) * cosine * solid_angle(source, int(i) / source.width);
+      const float weight = a2 / (d * d) * cosine * solid_angles[i / std::size_t(source.width)];
       sum += weight * Eigen::Map<const Vector3f>(&source.values[3 * i]);
       weights += weight;
     }
@@ -215,15 +217,41 @@ Image resized(const Image& source, int width, int height) {
   return latlong_image(width, height, [&](const Vector3f& d) { return look_up_latlong(source, latlong_of(d)); });
 }
 
-void fill_probe(const Image& sharp, ProbeCache& cache) {
-  if (cache.sharp.values == sharp.values) return;
-  cache.sharp = sharp;
-  cache.layers = {sharp};
+/// The surroundings from the sharpest to the most blurred.
+std::vector<Image> blurred_layers(const Image& sharp) {
+  std::vector<Image> layers{sharp};
   const Image small = resized(sharp, blurred_width, blurred_height);
   for (int layer = 1; layer < num_probe_layers; ++layer) {
     const float roughness = float(layer) / float(num_probe_layers - 1);
-    cache.layers.push_back(resized(blurred(small, roughness), sharp.width, sharp.height));
+    layers.push_back(resized(blurred(small, roughness), sharp.width, sharp.height));
   }
+  return layers;
+}
+
+/// Sets all directions that point down.
+void fill_below(Image& surroundings, const Vector3f& radiance) {
+  for (int y = probe_height / 2; y < probe_height; ++y)
+    for (int x = 0; x < probe_width; ++x) Eigen::Map<Vector3f>(surroundings.pixel(x, y)) = radiance;
+}
+
+/// The layers of these surroundings, which are dark below where there is a ground.
+void fill_cache(const Image& sharp, bool has_ground, ProbeCache& cache) {
+  if (cache.sharp.values == sharp.values && cache.ground_layers.empty() != has_ground) return;
+  cache.sharp = sharp;
+  cache.layers = blurred_layers(sharp);
+  cache.ground_layers.clear();
+  if (!has_ground) return;
+  Image ground(probe_width, probe_height, 3);
+  fill_below(ground, Vector3f::Ones());
+  cache.ground_layers = blurred_layers(ground);
+}
+
+std::vector<Image> probe_over(const ProbeCache& cache, const Vector3f& bounce) {
+  std::vector<Image> probe = cache.layers;
+  for (std::size_t layer = 0; layer < cache.ground_layers.size(); ++layer)
+    for (std::size_t i = 0; i < probe[layer].values.size(); ++i)
+      probe[layer].values[i] += bounce[Eigen::Index(i % 3)] * cache.ground_layers[layer].values[i];
+  return probe;
 }
 
 /// What the ground sends back: its colour in the light of the sky and of the lights above the focus.
@@ -261,14 +289,15 @@ void prepare_lighting(const RenderScene& scene, const Focus& focus, const Ground
 
   const auto sky = make_dome(scene.sky);
   Image surroundings = latlong_image(probe_width, probe_height, sky);
+  Vector3f bounce = Vector3f::Zero();
   if (ground.present) {
-    const Vector3f bounce = ground_radiance(ground, surroundings, focus, frame);
-    for (int y = probe_height / 2; y < probe_height; ++y)
-      for (int x = 0; x < probe_width; ++x) Eigen::Map<Vector3f>(surroundings.pixel(x, y)) = bounce;
+    bounce = ground_radiance(ground, surroundings, focus, frame);
+    fill_below(surroundings, Vector3f::Zero());
   }
+  fill_cache(surroundings, ground.present, cache);
+  if (ground.present) fill_below(surroundings, bounce);
   add_sky(surroundings, std::clamp(options.sky_samples, 8, max_sky_samples), focus, frame);
-  fill_probe(surroundings, cache);
-  frame.probe = cache.layers;
+  frame.probe = probe_over(cache, bounce);
 
   if (scene.backdrop) {
     frame.background = Image(1, 1, 3);

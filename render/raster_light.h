@@ -23,10 +23,11 @@ struct LightingOptions {
   int light_samples = 16, sky_samples = 32;
 };
 
-/// Blurred surroundings of one sky, kept from frame to frame.
+/// Blurred surroundings of one sky, kept from frame to frame: of what is above the ground, and of a ground that sends
+/// back 1. What it does send back changes with what stands on it; blurring is linear.
 struct ProbeCache {
   Image sharp;
-  std::vector<Image> layers;
+  std::vector<Image> layers, ground_layers;  // the latter empty without ground
 };
 
 /// Fills the frame's lights, background and probe. Throws Error 65 when there are more lights than can be drawn.

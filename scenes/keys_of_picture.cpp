@@ -148,7 +148,7 @@ SceneSection render_section() {
         return std::optional(size.write({render.width, render.height}));
       });
   keys.add("samples", IntegerKind{.low = 1, .high = 1 << 20}, UMAX_FIELD(samples),
-           "paths a pixel (embree): more is less noise");
+           "paths a pixel (embree): more is less noise; below 16, osmesa draws fewer shadow maps");
   keys.add("bounces", IntegerKind{.low = 0, .high = 1000}, UMAX_FIELD(bounces),
            "reflections of a path, at most (embree)");
   keys.add("denoise", FlagKind(), UMAX_FIELD(denoise), "feature-guided filter (embree)");

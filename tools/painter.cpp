@@ -1,5 +1,6 @@
 #include "tools/painter.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -41,6 +42,17 @@ std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription
   return layers;
 }
 
+/// Few samples mean few shadow maps, too: in proportion, and from 16 on all that the rasteriser has by itself.
+RasterizeOptions raster_options(const RenderDescription& render, int threads) {
+  const RasterizeOptions whole;
+  const auto share = [&](int maps) { return std::min(maps, (maps * render.samples + 15) / 16); };
+  return {.width = render.width,
+          .height = render.height,
+          .light_samples = share(whole.light_samples),
+          .sky_samples = std::max(8, share(whole.sky_samples)),
+          .threads = threads};
+}
+
 }  // namespace
 
 Painter::Painter(const RenderDescription& render, int threads) : render_(render), engine_(std::make_unique<Engine>()) {
@@ -55,8 +67,7 @@ bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
   if (render_.engine == RenderEngine::embree)
     layers = trace_layers(shot, render_);
   else
-    layers.push_back({"", engine_->rasterizer->draw(
-                              shot, {.width = render_.width, .height = render_.height, .threads = engine_->threads})});
+    layers.push_back({"", engine_->rasterizer->draw(shot, raster_options(render_, engine_->threads))});
 
   if (layers.empty()) return false;
   if (render_.exr) {
