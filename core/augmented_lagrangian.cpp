@@ -37,8 +37,8 @@ Vector3d relative_motion(const StepProblem& problem, const Points& positions, co
 Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
   Linearisation at;
   at.limits = limit_terms(problem, iterate, relative_penalty);
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e)
-    if (limit_kind(*problem.model, e) == LimitKind::hard) at.limits[e].stiffening = at.limits[e].force;  // L's own
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+    if (problem.model->limits[l].kind == LimitKind::hard) at.limits[l].stiffening = at.limits[l].force;  // L's own
   for (const Contact& contact : iterate.contacts)
     at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
                                             relative_motion(problem, iterate.positions, contact),
@@ -48,13 +48,11 @@ Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
 
 double lagrangian(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
   double sum = incremental_potential(problem, iterate.evaluation, iterate.positions);
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
-    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
-    const LimitKind kind = limit_kind(*problem.model, e);
-    if (kind == LimitKind::hard)
-      sum += hard_limit_energy(energy, limit, iterate.multipliers[e], relative_penalty * limit);
-    else if (kind == LimitKind::soft)
-      sum += soft_limit_energy(energy, limit, {});
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+    sum += problem.model->limits[l].kind == LimitKind::hard
+               ? hard_limit_energy(energy, limit, iterate.multipliers[l], relative_penalty * limit)
+               : soft_limit_energy(energy, limit, {});
   }
   for (const ContactTerms& terms : at.contacts) sum += terms.energy;
   return sum;
@@ -89,7 +87,7 @@ bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
     const Linearisation at = linearise(problem, iterate);
     const VectorXd slope = gradient(problem, iterate, at);
     VectorXd forces(problem.limits.size());
-    for (Eigen::Index e = 0; e < forces.size(); ++e) forces[e] = at.limits[e].force;
+    for (Eigen::Index l = 0; l < forces.size(); ++l) forces[l] = at.limits[l].force;
     const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
     if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
       return true;
@@ -108,10 +106,10 @@ bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
 }
 
 void update_multipliers(const StepProblem& problem, Iterate& iterate) {
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e)
-    if (limit_kind(*problem.model, e) == LimitKind::hard)
-      iterate.multipliers[e] =
-          std::max(0.0, iterate.multipliers[e] + relative_penalty * (iterate.evaluation.energy[e] - problem.limits[e]));
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+    if (problem.model->limits[l].kind == LimitKind::hard)
+      iterate.multipliers[l] =
+          std::max(0.0, iterate.multipliers[l] + relative_penalty * (iterate.evaluation.energy[l] - problem.limits[l]));
   for (Contact& contact : iterate.contacts) {
     const double penalty = contact_penalty(problem, contact);
     const Vector3d n = contact.normal;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/gauss_seidel.h"
+#include "core/hex_limits.h"
 #include "core/parallel.h"
 
 namespace umax {
@@ -54,11 +55,11 @@ Forces forces_at(const StepProblem& problem, const Evaluation& evaluation, const
     forces.gravity.segment<3>(3 * node) = model.node_mass[node] * problem.options->gravity;
   forces.elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
   forces.limit = VectorXd::Zero(3 * model.num_nodes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-    if (limit_factors[e] > 0)
+  for (Eigen::Index l = 0; l < limit_factors.size(); ++l)
+    if (limit_factors[l] > 0)
       for (int n = 0; n < 8; ++n)
-        forces.limit.segment<3>(3 * model.hexes(e, n)) +=
-            limit_factors[e] * evaluation.limit_gradient(e).segment<3>(3 * n);
+        forces.limit.segment<3>(3 * model.hexes(model.limits[l].hex, n)) +=
+            limit_factors[l] * evaluation.limit_gradient(model, l).segment<3>(3 * n);
   forces.contact = VectorXd::Zero(3 * model.num_nodes());
   for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, forces.contact);
   return forces;
@@ -80,20 +81,37 @@ double largest_of(const StepProblem& problem, const Forces& forces) {
                    negligible_force(problem)});
 }
 
+// energy and gradient of one limit of a hex whose elastic ones are known
+void evaluate_limit(const StepProblem& problem, int l, const CorotatedHex& hex, Evaluation& evaluation) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const HexLimit& limit = model.limits[l];
+  const double young = problem.young[limit.hex];
+  const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
+  evaluation.energy[l] =
+      true_whole ? evaluation.elastic_energy[limit.hex] : limited_energy(model, solver.energy, limit, young, hex);
+  if (evaluation.limit.cols() == 0) return;
+  if (true_whole && solver.jacobian == LimitJacobian::exact)
+    evaluation.limit.col(l) = evaluation.elastic.col(limit.hex);
+  else
+    evaluation.limit.col(l) =
+        limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, young, hex);
+}
+
 }  // namespace
 
 void evaluate(const StepProblem& problem, const Points& positions, Evaluation& evaluation) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
-  const bool own_limit_gradient =
-      solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact;
+  const bool own_limit_gradients = solver.energy != EnergyMeasure::true_energy ||
+                                   solver.jacobian != LimitJacobian::exact || !model.limit_forms.empty();
   const bool damped = problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0;
   evaluation.hexes.resize(model.num_hexes());
   evaluation.elastic.resize(24, model.num_hexes());
   evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
-  evaluation.limit.resize(24, own_limit_gradient ? model.num_hexes() : 0);
+  evaluation.limit.resize(24, own_limit_gradients ? problem.limits.size() : 0);
   evaluation.elastic_energy.resize(model.num_hexes());
-  evaluation.energy.resize(model.num_hexes());
+  evaluation.energy.resize(problem.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
       const HexShape& shape = model.shapes[model.hex_shape[e]];
@@ -101,14 +119,10 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
       const CorotatedHex hex = corotate(shape, solver.rotation, x);
       const double young = problem.young[e];
       evaluation.elastic_energy[e] = elastic_energy(shape.stiffness, young, hex);
-      evaluation.energy[e] = solver.energy == EnergyMeasure::true_energy
-                                 ? evaluation.elastic_energy[e]
-                                 : elastic_energy(measured_stiffness(shape, solver.energy), young, hex);
       evaluation.elastic.col(e) =
           exact_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
-      if (own_limit_gradient)
-        evaluation.limit.col(e) =
-            -energy_limit_jacobian(shape, solver.energy, solver.jacobian, solver.rotation, young, 1.0, hex);
+      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
+        evaluate_limit(problem, l, hex, evaluation);
       if (damped) {
         const Matrix8x3d x0 = hex_nodes(model, problem.positions_t0, e);
         const Matrix8x3d velocity = (x - x0) / problem.h;

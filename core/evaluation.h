@@ -14,11 +14,13 @@ struct Evaluation {
   std::vector<CorotatedHex> hexes;  // #E
   HexColumns elastic;               // [N] dU/dx of the true energy
   HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
-  HexColumns limit;                 // [N] d(measured energy)/dx; no columns where it equals `elastic`
-  VectorXd elastic_energy;          // [J] true energy
-  VectorXd energy;                  // [J] measured energy
+  HexColumns limit;                 // #L columns [N] dU/dx of limited energies; none where all equal `elastic`
+  VectorXd elastic_energy;          // #E [J] true energy
+  VectorXd energy;                  // #L [J] of limits
 
-  auto limit_gradient(Eigen::Index hex) const { return limit.cols() ? limit.col(hex) : elastic.col(hex); }
+  auto limit_gradient(const Model& model, Eigen::Index l) const {
+    return limit.cols() ? limit.col(l) : elastic.col(model.limits[std::size_t(l)].hex);
+  }
 };
 
 /// Evaluates every hex at the positions.
@@ -43,7 +45,7 @@ double force_scale(const StepProblem& problem, const Evaluation& evaluation, con
 /// Stationarity of the positions for the exact step: max-norm of the gradient of the Lagrangian over the largest
 /// max-norm of its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone
 /// complementarity, scaled likewise. Forces that would move a node by less than a millionth of a cell count as none.
-/// limit_factors: #E [-], lambda/U_max of hard limits (or the barrier's slope).
+/// limit_factors: #L [-], lambda/U_max of hard limits (or the barrier's slope).
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts);
 

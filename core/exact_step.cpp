@@ -6,6 +6,7 @@
 #include "core/augmented_lagrangian.h"
 #include "core/delassus.h"
 #include "core/gauss_seidel.h"
+#include "core/hex_limits.h"
 #include "core/newton_system.h"
 
 namespace umax {
@@ -76,18 +77,19 @@ VectorXd solve_step(const StepProblem& problem, const SparseCholesky& cholesky, 
 
 void update_multipliers(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
   const Model& model = *problem.model;
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
-    if (limit_kind(model, e) != LimitKind::hard) continue;
-    const double limit = problem.limits[e], ratio = iterate.evaluation.energy[e] / limit;
-    const double t = iterate.multipliers[e] + relative_penalty * limit * (ratio - 1);
-    double& multiplier = iterate.multipliers[e];
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    if (model.limits[l].kind != LimitKind::hard) continue;
+    const double limit = problem.limits[l], ratio = iterate.evaluation.energy[l] / limit;
+    const double t = iterate.multipliers[l] + relative_penalty * limit * (ratio - 1);
+    double& multiplier = iterate.multipliers[l];
     if (t <= 0) {
       multiplier = 0;
       continue;
     }
     double change = 0;  // G . dx
     for (int n = 0; n < 8; ++n)
-      change += iterate.evaluation.limit_gradient(e).segment<3>(3 * n).dot(step.segment<3>(3 * model.hexes(e, n)));
+      change += iterate.evaluation.limit_gradient(model, l).segment<3>(3 * n).dot(
+          step.segment<3>(3 * model.hexes(model.limits[l].hex, n)));
     multiplier = std::max(0.0, t + relative_penalty * change);
   }
 }
@@ -170,7 +172,7 @@ StepReport exact_step(const StepProblem& problem, Workspace::Data& workspace, St
   state.positions = iterate.positions;
   state.limit_multipliers = iterate.multipliers;
   report.contacts = int(iterate.contacts.size());
-  report.limits_active = int((limit_factors(problem, iterate).array() > 0).count());
+  report.limits_active = count_hexes(*problem.model, limit_factors(problem, iterate));
   remember_contacts(iterate.contacts, state);
   return report;
 }

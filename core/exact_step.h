@@ -3,9 +3,9 @@
 //   min_x  1/(2 h^2) |x - xt|_M^2 + sum_e U_e(x)   s.t.  U_e(x) <= U_max,  gaps(x) >= 0 with Coulomb's cone;   xt = x0
 //   + h v0 + h^2 g
 //
-// Hybrid SQP. Limits live in the matrix: an active element contributes (1 + lambda/U_max) H + rho/U_max^2 G G^T, which
-// keeps the sparsity of the stiffness, so that limits cost nothing extra to factor. Contacts stay outside, by Schur
-// complement:
+// Hybrid SQP. Limits live in the matrix: an active element contributes (1 + lambda/U_max) H + rho/U_max^2 G G^T, H and
+// G those of the energy that each of its limits measures, which keeps the sparsity of the stiffness, so that limits
+// cost nothing extra to factor. Contacts stay outside, by Schur complement:
 //   dx = -A^-1 grad + A^-1 J^T f,   gap + n.J dx >= 0  perp  f_n >= 0,   friction in the cone, by projected
 //   Gauss-Seidel.
 // Multipliers are force-level, start from the last step's, and are updated with the step: lambda <- max(0, t + rho

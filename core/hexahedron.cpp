@@ -14,7 +14,6 @@ namespace umax {
 namespace {
 
 using Matrix6x24d = Eigen::Matrix<double, 6, 24>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 // inner tetrahedron of the 5-tetrahedra cut; a Kuhn tetrahedron (the edges x, y, z along the main diagonal)
 constexpr std::array<int, 4> inner_tetrahedron = {0, 3, 5, 6};
@@ -60,15 +59,6 @@ Matrix6x24d strain_matrix(const Matrix8x3d& h) {
     B.block<6, 3>(0, 3 * j) << x, 0, 0, 0, y, 0, 0, 0, z, 0, z, y, z, 0, x, y, x, 0;
   }
   return B;
-}
-
-Matrix24d integrate_stiffness(const HexShape& shape, const Matrix6d& E) {
-  Matrix24d K = Matrix24d::Zero();
-  for (int q = 0; q < 8; ++q) {
-    const Matrix6x24d B = strain_matrix(shape.gradients[q]);
-    K += shape.weights[q] * (B.transpose() * (E * B));
-  }
-  return 0.5 * (K + K.transpose());
 }
 
 // h_j of the linear tetrahedron over four of the nodes: zero for the other four
@@ -117,6 +107,21 @@ Vector8d node_volumes(const HexShape& shape) {
   Vector8d volumes = Vector8d::Zero();
   for (int q = 0; q < 8; ++q) volumes += shape.weights[q] * shape_functions(quadrature_points()[q]);
   return volumes;
+}
+
+Matrix24d point_stiffness(const HexShape& shape, const Matrix6d& E, int point) {
+  const Matrix6x24d B = strain_matrix(shape.gradients[point]);
+  const Matrix24d K = B.transpose() * (E * B);
+  return 0.5 * (K + K.transpose());
+}
+
+Matrix24d integrate_stiffness(const HexShape& shape, const Matrix6d& E) {
+  Matrix24d K = Matrix24d::Zero();
+  for (int q = 0; q < 8; ++q) {
+    const Matrix6x24d B = strain_matrix(shape.gradients[q]);
+    K += shape.weights[q] * (B.transpose() * (E * B));
+  }
+  return 0.5 * (K + K.transpose());
 }
 
 HexQuality hex_quality(const Matrix8x3d& nodes) {

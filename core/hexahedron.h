@@ -51,6 +51,10 @@ HexShape make_hex_shape(const Matrix8x3d& nodes, double poisson);
 /// masses in this ratio have the centre of mass of the hex (row-sum lumping).
 Vector8d node_volumes(const HexShape& shape);
 
+/// B^T E B at quadrature point 0 ... 7, and its integral over the hex. E: 6 x 6, as elasticity_matrix().
+Matrix24d point_stiffness(const HexShape& shape, const Matrix6d& E, int point);
+Matrix24d integrate_stiffness(const HexShape& shape, const Matrix6d& E);
+
 /// How far a hex is from a box, by det(dX/ds) at its nodes and quadrature points.
 struct HexQuality {
   double least_determinant = 0;  // [m^3]

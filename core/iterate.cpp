@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/hex_limits.h"
 #include "core/limit_law.h"
 #include "core/rotation.h"
 
@@ -42,10 +43,6 @@ double energy_scale(const StepProblem& problem, const Iterate& iterate) {
 
 }  // namespace
 
-LimitKind limit_kind(const Model& model, Eigen::Index hex) {
-  return model.bodies[model.hex_body[hex]].limit.kind;
-}
-
 Iterate predict(const StepProblem& problem, const State& state) {
   Iterate iterate;
   iterate.positions = problem.positions_t0 + problem.h * problem.velocities_t0;
@@ -69,13 +66,11 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
 }
 
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
-  VectorXd factors = VectorXd::Zero(problem.limits.size());
-  for (Eigen::Index e = 0; e < factors.size(); ++e) {
-    const LimitKind kind = limit_kind(*problem.model, e);
-    if (kind == LimitKind::hard) factors[e] = iterate.multipliers[e] / problem.limits[e];
-    if (kind == LimitKind::soft)
-      factors[e] = soft_limit_terms(iterate.evaluation.energy[e], problem.limits[e], {}).force;
-  }
+  VectorXd factors(problem.limits.size());
+  for (Eigen::Index l = 0; l < factors.size(); ++l)
+    factors[l] = problem.model->limits[l].kind == LimitKind::hard
+                     ? iterate.multipliers[l] / problem.limits[l]
+                     : soft_limit_terms(iterate.evaluation.energy[l], problem.limits[l], {}).force;
   return factors;
 }
 
@@ -84,13 +79,13 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
   Quality quality;
   // any hex beyond its limit may be pushed as hard as the hardest pushed one is, in this step or the next
   const double largest = iterate.multipliers.size() ? iterate.multipliers.maxCoeff() : 0;
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
-    if (limit_kind(model, e) != LimitKind::hard) continue;
-    const double ratio = iterate.evaluation.energy[e] / problem.limits[e];
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    if (model.limits[l].kind != LimitKind::hard) continue;
+    const double ratio = iterate.evaluation.energy[l] / problem.limits[l];
     quality.max_ratio = std::max(quality.max_ratio, ratio);
-    if (iterate.multipliers[e] > problem.options->solver.tolerance * problem.limits[e])
+    if (iterate.multipliers[l] > problem.options->solver.tolerance * problem.limits[l])
       quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
-    if (iterate.multipliers[e] > 0 || ratio > 1) quality.limit_work += largest * std::abs(1 - ratio);
+    if (iterate.multipliers[l] > 0 || ratio > 1) quality.limit_work += largest * std::abs(1 - ratio);
   }
   for (const Contact& contact : iterate.contacts)
     quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));
@@ -113,7 +108,7 @@ void tell(const StepProblem& problem, int iteration, const Quality& quality, con
                                  .max_penetration = deepest(iterate.contacts),
                                  .largest_move = iterate.last_move,
                                  .kkt_residual = quality.kkt,
-                                 .limits_active = int((limit_factors(problem, iterate).array() > 0).count()),
+                                 .limits_active = count_hexes(*problem.model, limit_factors(problem, iterate)),
                                  .contacts = int(iterate.contacts.size())});
 }
 

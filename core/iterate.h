@@ -9,7 +9,7 @@ namespace umax {
 
 struct Iterate {
   Points positions;               // #N x 3 [m]
-  VectorXd multipliers;           // #E force-level [J]
+  VectorXd multipliers;           // #L force-level [J]
   std::vector<Contact> contacts;  // working set, impulses in N s
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
@@ -31,7 +31,7 @@ Iterate predict(const StepProblem& problem, const State& state);
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
 Iterate predict_undeformed(const StepProblem& problem, const State& state);
 
-/// lambda/U_max, or the barrier's slope: #E factors [-] on G in the gradient of the Lagrangian.
+/// lambda/U_max, or the barrier's slope: #L factors [-] on G in the gradient of the Lagrangian.
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate);
 
 Quality assess(const StepProblem& problem, const Iterate& iterate);
@@ -41,7 +41,5 @@ bool is_solution(const StepProblem& problem, const Quality& quality, const Itera
 
 /// Reports the iterate to StepOptions::on_iteration.
 void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
-
-LimitKind limit_kind(const Model& model, Eigen::Index hex);
 
 }  // namespace umax

@@ -9,9 +9,9 @@ Moduli moduli(double young, double poisson) {
   return {.E1 = common * (1 - poisson), .E2 = common * poisson, .E3 = young / (2 * (1 + poisson))};
 }
 
-Eigen::Matrix<double, 6, 6> elasticity_matrix(double young, double poisson) {
+Matrix6d elasticity_matrix(double young, double poisson) {
   const Moduli m = moduli(young, poisson);
-  Eigen::Matrix<double, 6, 6> E = Eigen::Matrix<double, 6, 6>::Zero();
+  Matrix6d E = Matrix6d::Zero();
   E.topLeftCorner<3, 3>().setConstant(m.E2);
   E.diagonal() << m.E1, m.E1, m.E1, m.E3, m.E3, m.E3;
   return E;

@@ -14,7 +14,7 @@ struct Moduli {
 Moduli moduli(double young, double poisson);
 
 /// 6 x 6 matrix E with sigma = E eps; strain order (xx, yy, zz, yz, xz, xy), ENGINEERING shear (2 eps_ik).
-Eigen::Matrix<double, 6, 6> elasticity_matrix(double young, double poisson);
+Matrix6d elasticity_matrix(double young, double poisson);
 
 /// [J/m^3] of a uniaxial strain (0.2 for 20 %), and back.
 double density_from_stretch(double young, double strain);

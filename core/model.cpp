@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/material.h"
+#include "core/hex_limits.h"
 
 namespace umax {
 namespace {
@@ -91,6 +91,7 @@ void append(const Body& body, Model& model) {
   range.first_point = int(point), range.num_points = int(body.surface.size());
   range.material = body.material;
   range.limit = body.limit;
+  range.part_limits = body.part_limits;
   range.friction = body.friction;
   range.cell_size = smallest_edge(body.lattice);
   range.rest_distance = body.rest_distance;
@@ -119,6 +120,7 @@ void append(const Body& body, Model& model) {
   model.surface.weights.bottomRows(body.surface.size()) = body.surface.weights;
 
   append_shapes(body, hex, model);
+  append_limits(body, hex, model);
   append_masses(body, node, hex, model);
   set_initial_velocities(body, node, model);
 }
@@ -131,6 +133,8 @@ Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& o
   model.initial_velocities.resize(0, 3);
   model.hexes.resize(0, 8);
   model.surface.weights.resize(0, 8);
+  model.fibre_directions.resize(0, 3);
+  model.limit_starts.setZero(1);
   for (const Body& body : bodies) append(body, model);
   for (const Obstacle& obstacle : obstacles) validate(obstacle);
   model.obstacles = obstacles;
@@ -141,27 +145,11 @@ double young_at(const Model& model, Eigen::Index hex, double time) {
   return model.bodies[model.hex_body[hex]].material.young.at(time) * model.young_factor[hex];
 }
 
-double energy_limit_at(const Model& model, Eigen::Index hex, double time) {
-  const Model::BodyRange& body = model.bodies[model.hex_body[hex]];
-  if (body.limit.kind == LimitKind::none) return std::numeric_limits<double>::infinity();
-  const double value = body.limit.value.at(time);
-  const double volume = model.shapes[model.hex_shape[hex]].volume;
-  switch (body.limit.unit) {
-    case LimitUnit::energy:
-      return value * model.limit_factor[hex];
-    case LimitUnit::density:
-      return value * volume * model.limit_factor[hex];
-    case LimitUnit::stretch:
-      break;
-  }
-  return density_from_stretch(young_at(model, hex, time), value) * volume * model.limit_factor[hex];
-}
-
 State rest_state(const Model& model) {
   State state;
   state.positions = model.rest_positions;
   state.velocities = model.initial_velocities;
-  state.limit_multipliers = VectorXd::Zero(model.num_hexes());
+  state.limit_multipliers = VectorXd::Zero(Eigen::Index(model.limits.size()));
   return state;
 }
 

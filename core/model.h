@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/embedded_points.h"
+#include "core/energy_parts.h"
 #include "core/hexahedron.h"
 #include "core/lattice.h"
 #include "core/obstacle.h"
@@ -22,10 +23,23 @@ enum class MassModel {
 enum class LimitKind { none, hard, soft };
 enum class LimitUnit { energy, density, stretch };  // [J per hex], [J/m^3 of full hex], [-] uniaxial strain
 
+enum class LimitMeasure {
+  mean,  // the energy integrated over the hex
+  peak,  // V times the largest density at its quadrature points: bending cannot hide behind the mean
+};
+
 struct EnergyLimitOptions {
   LimitKind kind = LimitKind::none;
   LimitUnit unit = LimitUnit::stretch;
   Track<double> value{0.2};  // in the unit above; stretch as a fraction, 0.2 for 20 %
+  LimitMeasure measure = LimitMeasure::mean;
+};
+
+/// Limits on parts of the energy, beside the one on the whole. Stretch: the energy that this uniaxial stretch puts into
+/// the part.
+struct PartLimitOptions {
+  EnergyLimitOptions volumetric, deviatoric, fibre;
+  Vector3d fibre_direction{1, 0, 0};  // in the rest shape as it is placed (world axes at time 0); of any length
 };
 
 struct MaterialOptions {
@@ -37,22 +51,36 @@ struct MaterialOptions {
   double damping_stiffness = 0;  // [s] Rayleigh beta
 };
 
+/// The limit on a part of the energy, of a body's two fields.
+EnergyLimitOptions& limit_on(EnergyLimitOptions& whole, PartLimitOptions& parts, EnergyPart part);
+const EnergyLimitOptions& limit_on(const EnergyLimitOptions& whole, const PartLimitOptions& parts, EnergyPart part);
+
 /// One body as the caller describes it to make_model().
 struct Body {
   std::string name;
   Lattice lattice;  // placed in world coordinates at time 0
   MaterialOptions material;
-  EnergyLimitOptions limit;
+  EnergyLimitOptions limit;  // on the whole energy
+  PartLimitOptions part_limits;
   double friction = 0.5;         // [-]
   Vector3d velocity{0, 0, 0};    // [m/s]
   Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
   std::vector<int> fixed_nodes;  // lattice nodes that stay put
   VectorXd young_factor;         // #E [-] of each hex on Young's modulus; empty: 1
-  VectorXd limit_factor;         // #E [-] of each hex on the limit, whatever its unit; empty: 1
+  VectorXd limit_factor;         // #E [-] of each hex on its limits, whatever their unit; empty: 1
+  Points fibre_directions;       // #E x 3 as fibre_direction, of each hex; empty: that one everywhere
   EmbeddedPoints surface;        // the mesh's vertices in this lattice: contact candidates
   Points surface_rest;           // #P x 3 [m] their rest positions
   std::shared_ptr<const SampledDistance>
       rest_distance;  // of the rest surface; may be null: obstacle edges pass through
+};
+
+/// One constraint 1 - U/U_max >= 0 on an energy of a hex.
+struct HexLimit {
+  int hex = 0;
+  EnergyPart part = EnergyPart::whole;  // of which the body's limit gives U_max
+  LimitKind kind = LimitKind::hard;     // never none
+  int form = -1;                        // of U, in Model::limit_forms; -1: the whole energy that solver.energy names
 };
 
 /// All bodies in one system of nodes and hexes. Built by make_model(); read-only afterwards.
@@ -64,6 +92,7 @@ struct Model {
     int first_point = 0, num_points = 0;  // in `surface`
     MaterialOptions material;
     EnergyLimitOptions limit;
+    PartLimitOptions part_limits;
     double friction = 0;
     double cell_size = 0;  // [m] smallest edge of its hexes: the unit of contact tolerances
     std::shared_ptr<const SampledDistance> rest_distance;
@@ -80,8 +109,12 @@ struct Model {
   VectorXi hex_shape;            // #E index into shapes
   VectorXi hex_body;             // #E index into bodies
   VectorXd young_factor;         // #E [-] on the body's Young's modulus
-  VectorXd limit_factor;         // #E [-] on the body's limit
-  EmbeddedPoints surface;        // all bodies' surface vertices; hex indices are global
+  VectorXd limit_factor;         // #E [-] on the body's limits
+  Points fibre_directions;       // #E x 3 unit vectors
+  std::vector<HexLimit> limits;  // #L grouped by hex; of a hex whole, volumetric, deviatoric, fibre, points ascending
+  VectorXi limit_starts;         // #E + 1 the limits of hex e: limit_starts[e] ... limit_starts[e + 1] - 1
+  std::vector<Matrix24d> limit_forms;  // K' of limited parts and points for unit Young's modulus, shared
+  EmbeddedPoints surface;              // all bodies' surface vertices; hex indices are global
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }
@@ -94,9 +127,9 @@ void validate(const Obstacle& obstacle);
 /// Validates all of them.
 Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles);
 
-/// Young's modulus [Pa] and energy limit [J] (infinity: none) of a hex at a time [s].
+/// Young's modulus [Pa] of a hex at a time [s], and U_max [J] of a part of its energy (infinity: none).
 double young_at(const Model& model, Eigen::Index hex, double time);
-double energy_limit_at(const Model& model, Eigen::Index hex, double time);
+double energy_limit_at(const Model& model, Eigen::Index hex, double time, EnergyPart part = EnergyPart::whole);
 
 /// Everything that influences later steps, and nothing else.
 struct State {
@@ -112,7 +145,7 @@ struct State {
   bool been_feasible = false;  // all hard limits have held once
   Points positions;            // #N x 3 [m]
   Points velocities;           // #N x 3 [m/s]
-  VectorXd limit_multipliers;  // #E [J] force-level, >= 0: limit force = -(multiplier / U_max) dU/dx
+  VectorXd limit_multipliers;  // #L [J] force-level, >= 0: limit force = -(multiplier / U_max) dU/dx
   std::vector<ContactImpulse> contacts;
 };
 

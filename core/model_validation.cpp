@@ -52,6 +52,32 @@ void validate_factors(const VectorXd& factors, Eigen::Index num_hexes, const std
     require_positive(factors[e], where + " of hex " + std::to_string(e), "1 leaves the body's value as it is");
 }
 
+void validate_limit(const EnergyLimitOptions& limit, const std::string& where) {
+  if (limit.kind == LimitKind::none) return;
+  for (const double value : limit.value.values) require_positive(value, where, "or set limit.kind = \"none\"");
+}
+
+void require_direction(const Vector3d& direction, const std::string& where) {
+  require_finite(direction, where);
+  require_positive(direction.norm(), where, "give a direction such as [1, 0, 0]");
+}
+
+void validate_limits(const Body& body, const std::string& where) {
+  const PartLimitOptions& parts = body.part_limits;
+  validate_limit(body.limit, where + ".limit");
+  validate_limit(parts.volumetric, where + ".limit.volumetric");
+  validate_limit(parts.deviatoric, where + ".limit.deviatoric");
+  validate_limit(parts.fibre, where + ".limit.fibre");
+  require_direction(parts.fibre_direction, where + ".limit.fibre.direction");
+  const Eigen::Index rows = body.fibre_directions.rows();
+  if (rows != 0 && rows != body.lattice.num_hexes())
+    fail(where + ".fibre_directions", "needs one direction per hex, or none", double(rows),
+         "the cage has " + std::to_string(body.lattice.num_hexes()) + " hexes");
+  for (Eigen::Index e = 0; e < rows; ++e)
+    require_direction(body.fibre_directions.row(e).transpose(),
+                      where + ".fibre_directions of hex " + std::to_string(e));
+}
+
 void validate_cage(const Body& body, const std::string& where) {
   try {
     validate(body.lattice);
@@ -79,9 +105,7 @@ void validate(const Body& body) {
   validate_cage(body, where + ".cage");
   validate_material(body.material, where + ".material");
   require_not_negative(body.friction, where + ".friction", "0 is frictionless");
-  if (body.limit.kind != LimitKind::none)
-    for (const double value : body.limit.value.values)
-      require_positive(value, where + ".limit", "or set limit.kind = \"none\"");
+  validate_limits(body, where);
   require_finite(body.velocity, where + ".velocity");
   require_finite(body.spin, where + ".spin");
   for (const int node : body.fixed_nodes)

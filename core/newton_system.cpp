@@ -22,9 +22,9 @@ bool is_definite(const StepProblem& problem, Eigen::Index e, const Matrix24d& el
   return Eigen::LLT<Matrix24d>(shifted).info() == Eigen::Success;
 }
 
-// elasticity and limit of one element
-void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
-                    bool exact, Matrix24d& element) {
+// elasticity and limits of one element; terms: of all limits
+void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, const std::vector<LimitTerms>& terms,
+                    Eigen::Index e, bool exact, Matrix24d& element) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
   const HexShape& shape = model.shapes[model.hex_shape[e]];
@@ -34,20 +34,33 @@ void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, co
     return exact ? exact_hessian(K, problem.young[e], h, hex) : warped_hessian(K, problem.young[e], hex);
   };
   element = hessian(shape.stiffness);
-  if (terms.stiffening > 0) {
-    if (solver.energy == EnergyMeasure::true_energy)
-      element *= 1 + terms.stiffening;
+  const int first = model.limit_starts[e], end = model.limit_starts[e + 1];
+  bool stiffened = false;
+  for (int l = first; l < end; ++l) {  // the whole's comes first: the element is nothing but elastic yet
+    if (terms[l].stiffening <= 0) continue;
+    if (model.limits[l].form >= 0)
+      stiffened = true;
+    else if (solver.energy == EnergyMeasure::true_energy)
+      element *= 1 + terms[l].stiffening;
     else
-      element += terms.stiffening * hessian(measured_stiffness(shape, solver.energy));
+      element += terms[l].stiffening * hessian(measured_stiffness(shape, solver.energy));
   }
-  if (terms.rank_one > 0) {
-    const Vector24d G = evaluation.limit_gradient(e);
-    element.noalias() += terms.rank_one * G * G.transpose();
+  if (stiffened) {  // a Hessian is linear in its form: one for all
+    Matrix24d sum = Matrix24d::Zero();
+    for (int l = first; l < end; ++l)
+      if (model.limits[l].form >= 0 && terms[l].stiffening > 0)
+        sum += terms[l].stiffening * model.limit_forms[model.limits[l].form];
+    element += hessian(sum);
   }
+  for (int l = first; l < end; ++l)
+    if (terms[l].rank_one > 0) {
+      const Vector24d G = evaluation.limit_gradient(model, l);
+      element.noalias() += terms[l].rank_one * G * G.transpose();
+    }
 }
 
-void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const LimitTerms& terms, Eigen::Index e,
-                    Elasticity elasticity, Matrix24d& element) {
+void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const std::vector<LimitTerms>& terms,
+                    Eigen::Index e, Elasticity elasticity, Matrix24d& element) {
   const Model& model = *problem.model;
   elastic_matrix(problem, evaluation, terms, e, true, element);
   if (elasticity == Elasticity::definite && !is_definite(problem, e, element))
@@ -78,13 +91,11 @@ std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate&
 
 std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty) {
   std::vector<LimitTerms> terms(problem.limits.size());
-  for (Eigen::Index e = 0; e < problem.limits.size(); ++e) {
-    const double energy = iterate.evaluation.energy[e], limit = problem.limits[e];
-    const LimitKind kind = limit_kind(*problem.model, e);
-    if (kind == LimitKind::hard)
-      terms[e] = hard_limit_terms(energy, limit, iterate.multipliers[e], relative_penalty * limit);
-    else if (kind == LimitKind::soft)
-      terms[e] = soft_limit_terms(energy, limit, {});
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+    terms[l] = problem.model->limits[l].kind == LimitKind::hard
+                   ? hard_limit_terms(energy, limit, iterate.multipliers[l], relative_penalty * limit)
+                   : soft_limit_terms(energy, limit, {});
   }
   return terms;
 }
@@ -97,7 +108,7 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
     reset(workspace.matrix);
     add_mass(mass, 1, workspace.matrix);
     add_elements(workspace.matrix, [&](Eigen::Index e, Matrix24d& element) {
-      element_matrix(problem, iterate.evaluation, at.limits[e], e, elasticity, element);
+      element_matrix(problem, iterate.evaluation, at.limits, e, elasticity, element);
       if (!in_hex.empty())
         for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
     });
@@ -114,11 +125,11 @@ VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Line
   const Model& model = *problem.model;
   VectorXd sum = inertia_gradient(problem, iterate.positions) + gather(model, iterate.evaluation.elastic) +
                  gather(model, iterate.evaluation.damping);
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-    if (at.limits[e].force > 0)
+  for (std::size_t l = 0; l < at.limits.size(); ++l)
+    if (at.limits[l].force > 0)
       for (int n = 0; n < 8; ++n)
-        sum.segment<3>(3 * model.hexes(e, n)) +=
-            at.limits[e].force * iterate.evaluation.limit_gradient(e).segment<3>(3 * n);
+        sum.segment<3>(3 * model.hexes(model.limits[l].hex, n)) +=
+            at.limits[l].force * iterate.evaluation.limit_gradient(model, Eigen::Index(l)).segment<3>(3 * n);
   for (std::size_t i = 0; i < at.contacts.size(); ++i) spread(model, iterate.contacts[i], -at.contacts[i].force, sum);
   clear_fixed(model, sum);
   return sum;

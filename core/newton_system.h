@@ -12,7 +12,7 @@ namespace umax {
 
 /// What limits and contacts add at an iterate.
 struct Linearisation {
-  std::vector<LimitTerms> limits;      // #E
+  std::vector<LimitTerms> limits;      // #L
   std::vector<ContactTerms> contacts;  // one per contact of the iterate, or none where they are solved for apart
 };
 

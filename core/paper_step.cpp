@@ -5,6 +5,7 @@
 
 #include "core/evaluation.h"
 #include "core/gauss_seidel.h"
+#include "core/hex_limits.h"
 #include "core/parallel.h"
 
 namespace umax {
@@ -14,9 +15,9 @@ namespace {
 struct PaperIterate {
   VectorXd velocity;              // 3 #N
   Points positions;               // x0 + h v
-  VectorXd ratios;                // #E U/U_max at positions
-  std::vector<char> candidate;    // #E violated at some iteration of this step
-  VectorXd multipliers;           // #E accumulated impulse-level
+  VectorXd ratios;                // #L U/U_max at positions
+  std::vector<char> candidate;    // #L violated at some iteration of this step
+  VectorXd multipliers;           // #L accumulated impulse-level
   std::vector<Contact> contacts;  // working set
   MatrixXd contact_columns;       // 3 #N x 3 #C: A^-1 J^T of the contacts
 };
@@ -98,11 +99,12 @@ std::vector<Vector24d> limit_rows(const StepProblem& problem, const std::vector<
   std::vector<Vector24d> rows(limits.size());
   parallel_blocks(Eigen::Index(limits.size()), 8, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
-      const int e = limits[i];
-      const HexShape& shape = model.shapes[model.hex_shape[e]];
-      const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
-      rows[i] = energy_limit_jacobian(shape, solver.energy, solver.jacobian, solver.rotation, problem.young[e],
-                                      problem.limits[e], hex);
+      const HexLimit& limit = model.limits[limits[i]];
+      const int e = limit.hex;
+      const CorotatedHex hex =
+          corotate(model.shapes[model.hex_shape[e]], solver.rotation, hex_nodes(model, positions, e));
+      rows[i] = limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, problem.young[e], hex) /
+                -problem.limits[limits[i]];
       for (int n = 0; n < 8; ++n)
         if (model.node_fixed[model.hexes(e, n)]) rows[i].segment<3>(3 * n).setZero();
     }
@@ -114,7 +116,8 @@ MatrixXd scatter(const Model& model, const std::vector<int>& limits, const std::
   MatrixXd columns = MatrixXd::Zero(3 * model.num_nodes(), Eigen::Index(limits.size()));
   for (std::size_t i = 0; i < limits.size(); ++i)
     for (int n = 0; n < 8; ++n)
-      columns.col(Eigen::Index(i)).segment<3>(3 * model.hexes(limits[i], n)) = rows[i].segment<3>(3 * n);
+      columns.col(Eigen::Index(i)).segment<3>(3 * model.hexes(model.limits[limits[i]].hex, n)) =
+          rows[i].segment<3>(3 * n);
   return columns;
 }
 
@@ -132,11 +135,12 @@ MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const
         sum += contact.weights[n] * response.template segment<3>(3 * model.hexes(contact.hex, n));
       W.col(column).segment<3>(3 * Eigen::Index(i)) = sum;
     }
-    for (std::size_t e = 0; e < limits.size(); ++e) {
+    for (std::size_t l = 0; l < limits.size(); ++l) {
       double sum = 0;
       for (int n = 0; n < 8; ++n)
-        sum += rows[e].segment<3>(3 * n).dot(response.template segment<3>(3 * model.hexes(limits[e], n)));
-      W(num_contact_rows + Eigen::Index(e), column) = sum;
+        sum += rows[l].segment<3>(3 * n).dot(
+            response.template segment<3>(3 * model.hexes(model.limits[limits[l]].hex, n)));
+      W(num_contact_rows + Eigen::Index(l), column) = sum;
     }
   };
   for (Eigen::Index c = 0; c < num_contact_rows; ++c) fill(c, iterate.contact_columns.col(c));
@@ -170,7 +174,7 @@ ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate&
     double& q = lcp.q[num_contact_rows + Eigen::Index(i)];
     q = (1 - iterate.ratios[limits[i]]) / problem.h;
     for (int n = 0; n < 8; ++n) {
-      const int node = model.hexes(limits[i], n);
+      const int node = model.hexes(model.limits[limits[i]].hex, n);
       q += rows[i].segment<3>(3 * n).dot((velocity.row(node) - measured.row(node)).transpose());
     }
   }
@@ -183,8 +187,8 @@ ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate&
 int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   const Model& model = *problem.model;
   std::vector<int> limits;
-  for (int e = 0; e < int(model.num_hexes()); ++e)
-    if (iterate.candidate[e]) limits.push_back(e);
+  for (int l = 0; l < int(iterate.candidate.size()); ++l)
+    if (iterate.candidate[l]) limits.push_back(l);
   refresh_edge_columns(problem, cholesky, iterate);
   const std::vector<Vector24d> rows = limit_rows(problem, limits, iterate.positions);
   MatrixXd limit_columns = scatter(model, limits, rows);
@@ -206,8 +210,8 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
                       limit_columns * change.tail(Eigen::Index(limits.size()));
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
     iterate.contacts[i].impulse = z.segment<3>(3 * Eigen::Index(i));
-  for (std::size_t e = 0; e < limits.size(); ++e)
-    iterate.multipliers[limits[e]] += z[num_contact_rows + Eigen::Index(e)];
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    iterate.multipliers[limits[i]] += z[num_contact_rows + Eigen::Index(i)];
   return result.sweeps;
 }
 
@@ -221,12 +225,12 @@ double worst_gap(const Model& model, const std::vector<Contact>& contacts) {
 // evaluates limits and contacts at the current positions; true if all hold
 bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
-  iterate.ratios = energy_ratios(problem, iterate.positions);
+  iterate.ratios = limit_ratios(problem, iterate.positions);
   bool hold = true;
-  for (Eigen::Index e = 0; e < iterate.ratios.size(); ++e)
-    if (iterate.ratios[e] > 1) {
-      iterate.candidate[e] = 1;
-      hold = hold && iterate.ratios[e] <= 1 + tolerance;
+  for (Eigen::Index l = 0; l < iterate.ratios.size(); ++l)
+    if (iterate.ratios[l] > 1) {
+      iterate.candidate[l] = 1;
+      hold = hold && iterate.ratios[l] <= 1 + tolerance;
     }
   update_contacts(problem.contact, iterate.positions, iterate.contacts);
   hold = hold && worst_gap(*problem.model, iterate.contacts) >= -problem.joining_share;
@@ -247,8 +251,8 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
 
   PaperIterate iterate;
   iterate.velocity = unconstrained_velocity(problem, std::move(elastic_impulse), workspace.cholesky);
-  iterate.candidate.assign(model.num_hexes(), 0);
-  iterate.multipliers = VectorXd::Zero(model.num_hexes());
+  iterate.candidate.assign(model.limits.size(), 0);
+  iterate.multipliers = VectorXd::Zero(Eigen::Index(model.limits.size()));
   iterate.contact_columns.resize(3 * model.num_nodes(), 0);
   move_to_velocity(problem, iterate);
   iterate.contacts = recall_contacts(problem, state, iterate.positions);
@@ -262,10 +266,10 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
     const bool hold = constraints_hold(problem, workspace.cholesky, iterate);
     if (problem.options->on_iteration)
       problem.options->on_iteration({.iteration = report.sqp_iterations,
-                                     .max_energy_ratio = iterate.ratios.maxCoeff(),
+                                     .max_energy_ratio = iterate.ratios.size() > 0 ? iterate.ratios.maxCoeff() : 0,
                                      .max_penetration = deepest(iterate.contacts),
                                      .largest_move = largest_move,
-                                     .limits_active = int((iterate.multipliers.array() > 0).count()),
+                                     .limits_active = count_hexes(model, iterate.multipliers),
                                      .contacts = int(iterate.contacts.size())});
     if (hold && !must_solve) break;
     must_solve = false;
@@ -284,7 +288,7 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   state.velocities = unflatten(iterate.velocity);
   state.limit_multipliers = iterate.multipliers / problem.h;
   report.contacts = int(iterate.contacts.size());
-  report.limits_active = int((iterate.multipliers.array() > 0).count());
+  report.limits_active = count_hexes(model, iterate.multipliers);
   Evaluation evaluation;
   evaluate(problem, state.positions, evaluation);
   report.kkt_residual = kkt_residual(problem, evaluation, state.positions,

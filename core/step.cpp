@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/exact_step.h"
+#include "core/hex_limits.h"
 #include "core/paper_step.h"
 #include "core/parallel.h"
 #include "core/step_problem.h"
@@ -86,6 +87,7 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
+  require_measurable(model, options.solver.energy);
   const double time_t1 = state.time + options.time_step;
   StepReport report = advance(model, options, workspace.data(), state, options.solver.max_halvings);
   state.time = time_t1;
@@ -103,18 +105,9 @@ StepReport measure(const Model& model, const StepOptions& options, const State& 
 }
 
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state) {
-  StepProblem problem;
   StepOptions options;
   options.solver = solver;
-  problem.model = &model;
-  problem.options = &options;
-  problem.young.resize(model.num_hexes());
-  problem.limits.resize(model.num_hexes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
-    problem.young[e] = young_at(model, e, state.time);
-    problem.limits[e] = energy_limit_at(model, e, state.time);
-  }
-  return energy_ratios(problem, state.positions);
+  return largest_by_hex(model, limit_ratios(materials_at(model, options, state.time), state.positions));
 }
 
 }  // namespace umax

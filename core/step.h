@@ -55,13 +55,13 @@ enum class StepStatus {
 
 struct StepReport {
   StepStatus status = StepStatus::converged;
-  int limits_active = 0;  // hexes with a positive limit multiplier
+  int limits_active = 0;  // hexes that a limit holds: with a positive multiplier
   int contacts = 0;       // contact constraints solved
   int sqp_iterations = 0;
   int factorisations = 0;
   int linear_iterations = 0;    // Gauss-Seidel sweeps
   int retries = 0;              // at smaller step sizes
-  double max_energy_ratio = 0;  // [-] U/U_max at the end, fresh rotations
+  double max_energy_ratio = 0;  // [-] U/U_max of the worst limit at the end, fresh rotations
   double kkt_residual = 0;      // [-]
   double max_penetration = 0;   // [m] deepest surface vertex at the end
   double kinetic_energy = 0;    // [J]
@@ -82,13 +82,14 @@ class Workspace {
   std::unique_ptr<Data> data_;
 };
 
-/// Advances state by one time step. Deterministic for any number of threads.
+/// Advances state by one time step. Deterministic for any number of threads. Throws Error (bad_data) where
+/// solver.energy names an energy that the model's limits cannot measure (require_measurable()).
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state);
 
 /// The measured quantities of a state, without stepping.
 StepReport measure(const Model& model, const StepOptions& options, const State& state);
 
-/// U/U_max per hex (0 where not limited), freshly computed rotations.
+/// U/U_max of each hex's worst limit (0 where it has none), freshly computed rotations: #E.
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state);
 
 }  // namespace umax

@@ -1,8 +1,8 @@
 #include "core/step_problem.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "core/hex_limits.h"
 #include "core/parallel.h"
 
 namespace umax {
@@ -12,25 +12,29 @@ constexpr Eigen::Index hexes_per_block = 64;
 
 }  // namespace
 
-StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
-                       const State& state) {
+StepProblem materials_at(const Model& model, const StepOptions& options, double time) {
   StepProblem problem;
   problem.model = &model;
   problem.options = &options;
+  problem.young.resize(model.num_hexes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) problem.young[e] = young_at(model, e, time);
+  problem.limits.resize(Eigen::Index(model.limits.size()));
+  for (std::size_t l = 0; l < model.limits.size(); ++l)
+    problem.limits[Eigen::Index(l)] = energy_limit_at(model, model.limits[l].hex, time, model.limits[l].part);
+  return problem;
+}
+
+StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
+                       const State& state) {
+  StepProblem problem = materials_at(model, options, state.time + options.time_step);
   problem.h = options.time_step;
   problem.joining_share *= std::min(1.0, options.solver.tolerance / SolverOptions{}.tolerance);
   problem.positions_t0 = state.positions;
   problem.velocities_t0 = state.velocities;
-  problem.young.resize(model.num_hexes());
-  problem.limits.resize(model.num_hexes());
   problem.damping_stiffness.resize(model.num_hexes());
   problem.damping_mass.resize(model.num_nodes());
-  const double time_t1 = state.time + options.time_step;
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
-    problem.young[e] = young_at(model, e, time_t1);
-    problem.limits[e] = energy_limit_at(model, e, time_t1);
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
     problem.damping_stiffness[e] = model.bodies[model.hex_body[e]].material.damping_stiffness;
-  }
   problem.hexes_at_node.setZero(model.num_nodes());
   for (const int node : model.hexes.reshaped()) ++problem.hexes_at_node[node];
   for (const Model::BodyRange& body : model.bodies)
@@ -53,16 +57,17 @@ void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<
     if (model.node_fixed[node]) columns.middleRows<3>(3 * node).setZero();
 }
 
-VectorXd energy_ratios(const StepProblem& problem, const Points& positions) {
+VectorXd limit_ratios(const StepProblem& problem, const Points& positions) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
-  VectorXd ratios = VectorXd::Zero(model.num_hexes());
+  VectorXd ratios(problem.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
-      if (!std::isfinite(problem.limits[e])) continue;
+      if (model.limit_starts[e] == model.limit_starts[e + 1]) continue;
       const HexShape& shape = model.shapes[model.hex_shape[e]];
       const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
-      ratios[e] = 1 - energy_limit_value(shape, solver.energy, problem.young[e], problem.limits[e], hex);
+      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
+        ratios[l] = 1 - limit_value(model, solver.energy, model.limits[l], problem.young[e], problem.limits[l], hex);
     }
   });
   return ratios;

@@ -17,7 +17,7 @@ struct StepProblem {
   Points positions_t0;         // #N x 3 [m]
   Points velocities_t0;        // #N x 3 [m/s]
   VectorXd young;              // #E [Pa] at the end of the step
-  VectorXd limits;             // #E [J] at the end of the step, infinity: none
+  VectorXd limits;             // #L [J] U_max at the end of the step
   VectorXd damping_mass;       // #N [1/s] Rayleigh alpha
   VectorXd damping_stiffness;  // #E [s] Rayleigh beta
   VectorXi hexes_at_node;      // #N
@@ -26,6 +26,11 @@ struct StepProblem {
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
   double joining_share = 0.5;
 };
+
+/// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.
+StepProblem materials_at(const Model& model, const StepOptions& options, double time);
+
+/// What the step from the state to one time step later solves.
 StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
                        const State& state);
 
@@ -36,8 +41,8 @@ Points unflatten(const VectorXd& vector);
 /// Zeroes the rows of fixed nodes.
 void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns);
 
-/// U/U_max of every hex at the positions, rotations fresh; 0 where there is no limit.
-VectorXd energy_ratios(const StepProblem& problem, const Points& positions);
+/// U/U_max of every limit at the positions, rotations fresh: #L.
+VectorXd limit_ratios(const StepProblem& problem, const Points& positions);
 
 /// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);

@@ -19,6 +19,7 @@ using Cells = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;      // #E
 using Matrix8x3d = Eigen::Matrix<double, 8, 3, Eigen::RowMajor>;           // a hexahedron's nodes, one a row
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Vector24d = Eigen::Matrix<double, 24, 1>;  // 8 nodes x (x, y, z), node after node
+using Matrix6d = Eigen::Matrix<double, 6, 6>;    // strains (xx, yy, zz, yz, xz, xy), engineering shear
 using Matrix24d = Eigen::Matrix<double, 24, 24>;
 
 }  // namespace umax

@@ -5,25 +5,31 @@
 namespace umax {
 namespace {
 
-void write_keys(const SceneSection& section, const Scene& scene, std::size_t index, std::string& text) {
+using Comments = std::map<std::string, std::string>;
+
+void write_keys(const SceneSection& section, const Scene& scene, std::size_t index, const std::string& thing,
+                const Comments& comments, std::string& text) {
   for (const SceneKey& key : section.keys)
-    if (const auto value = key.write(scene, index)) text += key.name + " = " + *value + "\n";
+    if (const auto value = key.write(scene, index)) {
+      const auto comment = comments.find(section.key_prefix(thing) + key.name);
+      text += key.name + " = " + *value + (comment != comments.end() ? "  # " + comment->second : "") + "\n";
+    }
 }
 
 }  // namespace
 
-std::string resolved_toml(const Scene& scene) {
+std::string resolved_toml(const Scene& scene, const Comments& comments) {
   std::string text = "# Every setting of this run, in SI units. `umax run` on this file repeats it.\n";
   for (const SceneSection& section : scene_sections()) {
     if (!section.named) {
       if (!section.name.empty()) text += "\n[" + section.name + "]\n";
-      write_keys(section, scene, 0, text);
+      write_keys(section, scene, 0, "", comments, text);
       continue;
     }
     const std::vector<std::string> names = section.names(scene);
     for (std::size_t i = 0; i < names.size(); ++i) {
       text += "\n[" + section.name + "." + names[i] + "]\n";
-      write_keys(section, scene, i, text);
+      write_keys(section, scene, i, names[i], comments, text);
     }
   }
   return text;

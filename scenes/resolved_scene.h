@@ -1,6 +1,7 @@
 // A scene as resolved: every key written out, so that a run can be repeated.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "scenes/scene.h"
@@ -9,6 +10,7 @@ namespace umax {
 
 /// TOML with every default, absolute paths, the SHA-256 of meshes, numbers to the last bit. Reading it gives the same
 /// scene, writing that gives the same bytes.
-std::string resolved_toml(const Scene& scene);
+/// comments: by full key ("body.beam.limit.energy"), put behind the key's value.
+std::string resolved_toml(const Scene& scene, const std::map<std::string, std::string>& comments = {});
 
 }  // namespace umax

@@ -65,6 +65,7 @@ struct BodyDescription {
   CageDescription cage;
   MaterialOptions material;
   EnergyLimitOptions limit;
+  PartLimitOptions part_limits;
   std::vector<FixedBox> fixed;
   Look look;                           // texture is loaded by the program from texture_path
   std::filesystem::path texture_path;  // empty: the mesh file's own colour texture, if any

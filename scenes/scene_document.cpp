@@ -209,10 +209,10 @@ void apply_override(SceneDocument& document, const Override& override, const Tar
   for (const SceneKey& other : target.section->keys)
     if (!key.group.empty() && other.group == key.group && other.name != key.name) drop(thing, other.name, true);
   for (const std::string& name : key.resets) drop(thing, name, false);
-  if (key.turns_limit_on) {
-    const auto kind = thing.values.find("limit.kind");
+  if (!key.turns_on.empty()) {
+    const auto kind = thing.values.find(key.turns_on);
     const auto* word = kind != thing.values.end() ? kind->second.as<std::string>() : nullptr;
-    if (word && *word == "none") drop(thing, "limit.kind", false);
+    if (word && *word == "none") drop(thing, key.turns_on, false);
   }
   SceneValue& value = thing.values[key.name] = parse_override_value(override.value, place);
   set_key(value, override.key);

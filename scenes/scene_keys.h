@@ -21,7 +21,7 @@ struct SceneKey {
   std::string meaning = {};
   std::string group = {};                // of a group only one key may stand; a --set of one replaces the others
   std::vector<std::string> resets = {};  // keys of the file that a --set of this one drops
-  bool turns_limit_on = false;           // a --set of it drops limit.kind = "none" from the file
+  std::string turns_on = {};             // key of which a --set of this one drops "none" from the file
   bool defines = false;                  // a --set of it may add a new thing to the scene
   bool required = false;
 

@@ -26,7 +26,7 @@ struct KeyTraits {
   std::string belongs_to = {};  // when the field exists only sometimes: "shape = \"sphere\""
   std::string group = {};
   std::vector<std::string> resets = {};
-  bool turns_limit_on = false;
+  std::string turns_on = {};
   bool defines = false;
   bool required = false;
 };
@@ -48,7 +48,7 @@ class SectionBuilder {
                  .meaning = meaning,
                  .group = traits.group,
                  .resets = traits.resets,
-                 .turns_limit_on = traits.turns_limit_on,
+                 .turns_on = traits.turns_on,
                  .defines = traits.defines,
                  .required = traits.required,
                  .read = {},

@@ -1,6 +1,7 @@
 #include "tools/heat.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/material.h"
@@ -30,10 +31,23 @@ VectorXd stretches(const Model& model, RotationEstimate rotation, const State& s
 }
 
 VectorXd multiplier_ratios(const Model& model, const State& state) {
-  VectorXd values(model.num_hexes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-    values[e] = state.limit_multipliers[e] / energy_limit_at(model, e, state.time);
+  VectorXd values = VectorXd::Zero(model.num_hexes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
+    std::array<double, num_energy_parts> factors{};
+    for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l) {
+      const EnergyPart part = model.limits[l].part;
+      factors[int(part)] += state.limit_multipliers[l] / energy_limit_at(model, e, state.time, part);
+    }
+    values[e] = *std::max_element(factors.begin(), factors.end());
+  }
   return values;
+}
+
+/// The limit [%] of what the map of stretches shows; infinity: none, or it bounds something else.
+double shown_stretch_limit(const Model& model, Eigen::Index hex, double time) {
+  if (model.bodies[model.hex_body[hex]].limit.measure == LimitMeasure::peak)
+    return std::numeric_limits<double>::infinity();
+  return percent_stretch(model, hex, time, energy_limit_at(model, hex, time));
 }
 
 /// The next of 1, 2, 5, 10, 20 ... from `value` on, at least 1.
@@ -80,8 +94,7 @@ void extend(HeatRange& range, const Simulation& simulation, const State& state) 
   const VectorXd values = heat_values(simulation, state);
   for (Eigen::Index e = 0; e < values.size(); ++e) {
     range.largest = std::max(range.largest, values[e]);
-    const double limit =
-        percent_stretch(simulation.model, e, state.time, energy_limit_at(simulation.model, e, state.time));
+    const double limit = shown_stretch_limit(simulation.model, e, state.time);
     range.least_limit = std::min(range.least_limit, limit);
     range.largest_limit = std::max(range.largest_limit, limit);
   }

@@ -1,9 +1,10 @@
 // What heat maps show: a number of each hex, and the bar of colours that it is read from.
 //
-// energy      U/U_max [-], 0 without limit; the bar ends at the limit.
+// energy      U/U_max [-] of the hex's limit that is nearest to being reached, 0 without limit; the bar ends at the
+//             limit.
 //
 // multiplier  lambda/U_max [-], 0 without limit. The limit's force is -(lambda/U_max) dU/dx: it makes the hex so many
-//             times stiffer.
+//             times stiffer. Of several limits the one that does so most; of a peak, the sum of its 8 points.
 //
 // stretch     sqrt(2 U/(Y V)) [%] of the true energy U: the uniaxial stretch that costs as much, limit or not.
 #pragma once
@@ -30,7 +31,8 @@ void extend(HeatRange& range, const Simulation& simulation, const State& state);
 
 /// The bar for render.heatmap; none for "none". energy: 0 to the limit. multiplier: logarithmic, 0 to the largest,
 /// rounded up. stretch: 0 to the limit where all hexes have the same one at all times and it bounds the true energy,
-/// otherwise to the largest, rounded up. What is within the solver's tolerance of a limit counts as reached.
+/// otherwise to the largest, rounded up (so it is with limits on parts or
+/// peaks, which this stretch does not measure). What is within the solver's tolerance of a limit counts as reached.
 std::optional<Legend> heat_legend(const Simulation& simulation, const HeatRange& range);
 
 }  // namespace umax

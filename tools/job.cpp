@@ -14,6 +14,7 @@
 #include "scenes/sha256.h"
 #include "tools/clip.h"
 #include "tools/frame_list.h"
+#include "tools/limit_report.h"
 #include "tools/signals.h"
 #include "tools/simulate.h"
 #include "tools/step_plots.h"
@@ -182,7 +183,7 @@ int do_job(const Job& job, const Options& options) {
 
   const RunFolder folder(job.folder, job.existing);
   if (job.replace_pictures) folder.remove_pictures();
-  const std::string scene_text = resolved_toml(job.scene);
+  const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
   require_same_run(folder, simulation);
   write_file(folder.scene(), scene_text);
   RecordKeeper keeper(folder, job, options, scene_text, simulation.digest, threads.count());

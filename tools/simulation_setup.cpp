@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/hex_limits.h"
 #include "embedding/distance_grid.h"
 #include "embedding/figure.h"
 #include "embedding/hex_cage.h"
@@ -16,6 +17,7 @@
 #include "embedding/placement.h"
 #include "embedding/shapes.h"
 #include "render/image_io.h"
+#include "tools/limit_report.h"
 
 namespace umax {
 namespace {
@@ -173,6 +175,7 @@ Body make_body(const BodyDescription& description, const BodySetup& setup, bool 
   body.lattice = setup.lattice;
   body.material = description.material;
   body.limit = description.limit;
+  body.part_limits = description.part_limits;
   body.friction = description.friction;
   body.velocity = description.velocity;
   body.spin = description.spin_degrees * (EIGEN_PI / 180);
@@ -315,6 +318,7 @@ Simulation set_up(const Scene& scene) {
     bodies.push_back(make_body(description, setup, needs_distance));
   }
   simulation.model = make_model(bodies, obstacles);
+  require_measurable(simulation.model, scene.solver.energy);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
     simulation.bodies[i].first_node = simulation.model.bodies[i].first_node;
     simulation.bodies[i].first_hex = simulation.model.bodies[i].first_hex;
@@ -322,6 +326,7 @@ Simulation set_up(const Scene& scene) {
   simulation.probes = embed_probes(scene, simulation.bodies);
   simulation.digest = model_digest(simulation.model, simulation.options);
   warn_of_penetration(simulation, simulation.warnings);
+  warn_of_sudden_limits(simulation, simulation.warnings);
   return simulation;
 }
 

@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "state files are little-endian");
 
 constexpr std::string_view magic = "UMAXSTAT";
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::size_t digest_size = 64, header_size = 8 + 4 + 4 + digest_size;
 
 // Structures are taken apart by structured bindings with all their members: one that is added and forgotten here does
@@ -87,18 +87,25 @@ void add_material(Writer& out, const MaterialOptions& material) {
 }
 
 void add_limit(Writer& out, const EnergyLimitOptions& limit) {
-  const auto& [kind, unit, value] = limit;
-  out.put_all(kind, unit);
+  const auto& [kind, unit, value, measure] = limit;
+  out.put_all(kind, unit, measure);
   add_track(out, value);
 }
 
+void add_part_limits(Writer& out, const PartLimitOptions& limits) {
+  const auto& [volumetric, deviatoric, fibre, fibre_direction] = limits;
+  static_cast<void>(fibre_direction);  // in the model's fibre directions
+  for (const EnergyLimitOptions* limit : {&volumetric, &deviatoric, &fibre}) add_limit(out, *limit);
+}
+
 void add_body(Writer& out, const Model::BodyRange& body) {
-  const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, friction,
-               cell_size, rest_distance] = body;
+  const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
+               friction, cell_size, rest_distance] = body;
   out.put_bytes(name.data(), name.size());
   out.put_all(first_node, num_nodes, first_hex, num_hexes, first_point, num_points);
   add_material(out, material);
   add_limit(out, limit);
+  add_part_limits(out, part_limits);
   out.put_all(friction, cell_size);
   add_distance(out, rest_distance.get());
 }
@@ -194,8 +201,12 @@ Reader open_state(std::string_view bytes, const std::string& where, Digest& mode
 
 Digest model_digest(const Model& model, const StepOptions& options) {
   const auto& [bodies, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, shapes, hex_shape,
-               hex_body, young_factor, limit_factor, surface] = model;
+               hex_body, young_factor, limit_factor, fibre_directions, limits, limit_starts, limit_forms, surface] =
+      model;
   static_cast<void>(shapes);  // follow from the rest positions and the materials
+  static_cast<void>(limits);  // these three from the bodies' limits and the fibre directions
+  static_cast<void>(limit_starts);
+  static_cast<void>(limit_forms);
   Writer out;
   out.put(version);
   for (const auto& body : bodies) add_body(out, body);
@@ -209,6 +220,7 @@ Digest model_digest(const Model& model, const StepOptions& options) {
   out.put_matrix(hex_body);
   out.put_matrix(young_factor);
   out.put_matrix(limit_factor);
+  out.put_matrix(fibre_directions);
   out.put_matrix(surface.hex);
   out.put_matrix(surface.weights);
   add_options(out, options);
@@ -268,7 +280,7 @@ void require_state_of(const Model& model, const Digest& digest, const std::files
                                      .what = "was made by another scene, mesh or solver setting",
                                      .remedy = "give the run another folder with -o, or replace it with --overwrite"});
   if (state.positions.rows() != model.num_nodes() || state.velocities.rows() != model.num_nodes() ||
-      state.limit_multipliers.size() != model.num_hexes())
+      state.limit_multipliers.size() != Eigen::Index(model.limits.size()))
     throw Error(ExitCode::bad_data, {.where = path.string(),
                                      .what = "has other sizes than its model",
                                      .remedy = "simulate again with --overwrite"});

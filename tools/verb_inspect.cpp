@@ -12,6 +12,7 @@
 #include "core/material.h"
 #include "embedding/hex_cage.h"
 #include "tools/job.h"
+#include "tools/limit_report.h"
 #include "tools/run_input.h"
 #include "tools/threads.h"
 #include "tools/verbs.h"
@@ -20,11 +21,6 @@ namespace umax {
 namespace {
 
 constexpr double least_filling = 0.05;  // [-] a cell never weighs less than this share (material.mass = "mesh")
-
-/// A limit at time 0 in its three units.
-struct LimitReport {
-  double energy = 0, density = 0, stretch = 0;  // [J per hex], [J/m^3], [-]
-};
 
 struct Extremes {
   double least = 0, largest = 0;
@@ -49,19 +45,11 @@ struct BodyReport {
   double mesh_mass = 0, lattice_mass = 0;      // [kg] as material.mass = "mesh" and "lattice" weigh it
   double young = 0;                            // [Pa]
   bool watertight = false;
-  std::string inside_by;             // how inside was told from outside
-  std::optional<LimitReport> limit;  // of hexes from a file: of one of the mean volume, without its factor
-  std::optional<HexReport> hexes;    // of a file
+  std::string inside_by;            // how inside was told from outside
+  std::vector<LimitReport> limits;  // of hexes from a file: of one of the mean volume, without its factor
+  std::optional<HexReport> hexes;   // of a file
   std::vector<std::string> problems;
 };
-
-LimitReport limit_in_all_units(const EnergyLimitOptions& limit, double young, double cell_volume) {
-  const double value = limit.value.at(0);
-  const double density = limit.unit == LimitUnit::energy    ? value / cell_volume
-                         : limit.unit == LimitUnit::density ? value
-                                                            : density_from_stretch(young, value);
-  return {.energy = density * cell_volume, .density = density, .stretch = stretch_from_density(young, density)};
-}
 
 Extremes extremes(const VectorXd& values) {
   return values.size() > 0 ? Extremes{values.minCoeff(), values.maxCoeff()} : Extremes{1, 1};
@@ -97,7 +85,7 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   const Lattice& lattice = setup.lattice;
   const VectorXd volumes =
       lattice.is_regular() ? VectorXd::Constant(lattice.num_hexes(), lattice.cell_size.prod()) : hex_volumes(lattice);
-  const double cell_volume = lattice.is_regular() ? lattice.cell_size.prod() : volumes.mean();
+  const double cell_volume = mean_hex_volume(lattice);
   BodyReport report;
   report.name = setup.name;
   report.vertices = setup.shape.mesh.num_vertices();
@@ -118,8 +106,7 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   report.young = description.material.young.at(0);
   report.watertight = mesh.watertight;
   report.inside_by = setup.cage.method;
-  if (description.limit.kind != LimitKind::none)
-    report.limit = limit_in_all_units(description.limit, report.young, cell_volume);
+  report.limits = limit_reports(description, cell_volume);
   for (const auto* list : {&mesh.problems, &setup.shape.notes, &setup.cage.notes})
     report.problems.insert(report.problems.end(), list->begin(), list->end());
   if (report.islands > 1)
@@ -146,6 +133,32 @@ nlohmann::ordered_json to_json(const HexReport& report) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const LimitReport& report) {
+  const auto finite = [](double strain) {
+    return std::isfinite(strain) ? nlohmann::ordered_json(strain) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"energy_J", report.energy},
+          {"density_J_m3", report.density},
+          {"stretch", report.strains.stretch},
+          {"shear", finite(report.strains.shear)},
+          {"volume_change", finite(report.strains.volume_change)},
+          {"kind", report.kind == LimitKind::soft ? "soft" : "hard"},
+          {"measure", report.measure == LimitMeasure::peak ? "peak" : "mean"}};
+}
+
+// under "limit", and those of parts under "part_limits" by name; what it is at later keys, in a list under "keys"
+void add_limit(const LimitReport& report, nlohmann::ordered_json& body) {
+  const std::string name = limit_name(report.part);
+  nlohmann::ordered_json& limit =
+      report.part == EnergyPart::whole ? body["limit"] : body["part_limits"][name.substr(name.find('.') + 1)];
+  if (limit.is_null()) {
+    limit = to_json(report);
+    return;
+  }
+  limit["keys"].push_back(to_json(report));
+  limit["keys"].back()["time_s"] = report.time;
+}
+
 nlohmann::ordered_json to_json(const BodyReport& report) {
   nlohmann::ordered_json json;
   json["vertices"] = report.vertices;
@@ -163,12 +176,8 @@ nlohmann::ordered_json to_json(const BodyReport& report) {
   json["young_Pa"] = report.young;
   json["watertight"] = report.watertight;
   json["inside_by"] = report.inside_by;
-  if (report.limit)
-    json["limit"] = {{"energy_J", report.limit->energy},
-                     {"density_J_m3", report.limit->density},
-                     {"stretch", report.limit->stretch}};
-  else
-    json["limit"] = nullptr;
+  json["limit"] = nullptr;  // of the whole energy
+  for (const LimitReport& limit : report.limits) add_limit(limit, json);
   json["problems"] = report.problems;
   return json;
 }
@@ -187,6 +196,13 @@ void print_hexes(const BodyReport& report) {
       fmt::print("  factors    {:.4g} to {:.4g} on the {}\n", factor.least, factor.largest, name);
 }
 
+void print_limit(const LimitReport& limit, const std::string& hex) {
+  std::string how = limit.kind == LimitKind::soft ? "; soft" : "";
+  if (limit.measure == LimitMeasure::peak) how += "; at the worst of 8 points of the hex";
+  if (limit.time > 0) how += fmt::format("; at {:g} s", limit.time);
+  fmt::print("  {:<10} {}{}\n", limit_name(limit.part), limit_text(limit, hex), how);
+}
+
 void print_body(const BodyReport& report) {
   const Vector3d& size = report.size;
   const Vector3d& cell = report.cell_size;
@@ -203,11 +219,8 @@ void print_body(const BodyReport& report) {
   fmt::print("  mass       {:.4g} kg by filled cells, {:.4g} kg with full cells\n", report.mesh_mass,
              report.lattice_mass);
   fmt::print("  stiffness  {:.4g} kPa\n", report.young / 1e3);
-  if (report.limit)
-    fmt::print("  limit      {:.4g} J per hex{} = {:.4g} J/m^3 = {:.4g} % stretch\n", report.limit->energy,
-               report.hexes ? " of the mean volume" : "", report.limit->density, 100 * report.limit->stretch);
-  else
-    fmt::print("  limit      none\n");
+  for (const LimitReport& limit : report.limits) print_limit(limit, report.hexes ? "hex of the mean volume" : "hex");
+  if (report.limits.empty()) fmt::print("  limit      none\n");
   for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);
 }
 

@@ -127,8 +127,9 @@ PotentialCheck potentials(const Body& body, const std::vector<Obstacle>& obstacl
     const test::ReferenceStep step = test::make_reference_step(model, options, before);
     const Points x = test::predictor(step);
     bool feasible = report.retries == 0;
-    for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-      feasible = feasible && test::reference_energy(step.hexes[e], test::nodes_at(step, x, e)) <= step.limits[e];
+    for (Eigen::Index l = 0; l < step.limits.size(); ++l)
+      feasible = feasible && test::reference_energy(step.limited[l], test::nodes_at(step, x, model.limits[l].hex)) <=
+                                 step.limits[l];
     for (Eigen::Index p = 0; p < (obstacles.empty() ? 0 : model.surface.size()); ++p)
       feasible = feasible && test::ground_gap(step, x, p) >= 0;
     before = after;

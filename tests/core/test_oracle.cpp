@@ -36,13 +36,14 @@ OracleProblem make_problem(const Model& model, const StepOptions& options, const
 
 // constraint values: limits [-], then gaps [cells]
 VectorXd constraint_values(const OracleProblem& problem, const Points& x) {
-  const Eigen::Index num_hexes = problem.step.model->num_hexes();
-  VectorXd c(num_hexes + problem.num_gaps);
-  for (Eigen::Index e = 0; e < num_hexes; ++e)
-    c[e] =
-        1 - test::reference_energy(problem.step.hexes[e], test::nodes_at(problem.step, x, e)) / problem.step.limits[e];
+  const ReferenceStep& step = problem.step;
+  const Eigen::Index num_limits = step.limits.size();
+  VectorXd c(num_limits + problem.num_gaps);
+  for (Eigen::Index l = 0; l < num_limits; ++l)
+    c[l] = 1 -
+           test::reference_energy(step.limited[l], test::nodes_at(step, x, step.model->limits[l].hex)) / step.limits[l];
   for (Eigen::Index p = 0; p < problem.num_gaps; ++p)
-    c[num_hexes + p] = test::ground_gap(problem.step, x, p) / problem.cell_size;
+    c[num_limits + p] = test::ground_gap(problem.step, x, p) / problem.cell_size;
   return c;
 }
 
@@ -57,7 +58,7 @@ struct Derivatives {
 Derivatives differentiate(const OracleProblem& problem, const Points& x, const VectorXd& z) {
   const ReferenceStep& step = problem.step;
   const Model& model = *step.model;
-  const Eigen::Index num_hexes = model.num_hexes();
+  const Eigen::Index num_limits = step.limits.size();
   Derivatives d{VectorXd::Zero(problem.num_free), MatrixXd::Zero(problem.num_free, problem.num_free),
                 MatrixXd::Zero(z.size(), problem.num_free), 0};
   for (Eigen::Index i = 0; i < 3 * model.num_nodes(); ++i) {
@@ -70,23 +71,30 @@ Derivatives differentiate(const OracleProblem& problem, const Points& x, const V
     d.scale = std::max({d.scale, std::abs(inertia), std::abs(weight)});
     d.hessian(problem.dofs[i], problem.dofs[i]) += model.node_mass[node] / (step.h * step.h);
   }
-  for (Eigen::Index e = 0; e < num_hexes; ++e) {
+  // adds factor times an energy's derivatives; its gradient goes into the row
+  const auto add_energy = [&](const test::ReferenceHex& hex, Eigen::Index e, double factor, auto row) {
     const test::NodesOf<double> nodes = test::nodes_at(step, x, e);
-    const test::NodesOf<double> force = test::reference_force(step.hexes[e], nodes);
-    const Matrix24d hessian = test::reference_hessian(step.hexes[e], nodes);
+    const test::NodesOf<double> force = test::reference_force(hex, nodes);
+    const Matrix24d hessian = test::reference_hessian(hex, nodes);
     const auto dof = [&](int a) { return problem.dofs[3 * model.hexes(e, a / 3) + a % 3]; };
     for (int a = 0; a < 24; ++a) {
       if (dof(a) < 0) continue;
-      d.gradient[dof(a)] += force(a / 3, a % 3);
-      d.jacobian(e, dof(a)) -= force(a / 3, a % 3) / step.limits[e];
+      row(dof(a)) += force(a / 3, a % 3);
       for (int b = 0; b < 24; ++b)
-        if (dof(b) >= 0) d.hessian(dof(a), dof(b)) += (1 + z[e] / step.limits[e]) * hessian(a, b);
+        if (dof(b) >= 0) d.hessian(dof(a), dof(b)) += factor * hessian(a, b);
     }
+  };
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    add_energy(step.hexes[e], e, 1, [&](int i) -> double& { return d.gradient[i]; });
+  for (Eigen::Index l = 0; l < num_limits; ++l) {
+    add_energy(step.limited[l], model.limits[l].hex, z[l] / step.limits[l],
+               [&](int i) -> double& { return d.jacobian(l, i); });
+    d.jacobian.row(l) /= -step.limits[l];
   }
   for (Eigen::Index p = 0; p < problem.num_gaps; ++p)
     for (int n = 0; n < 8; ++n) {
       const int dof = problem.dofs[3 * model.hexes(model.surface.hex[p], n) + 1];
-      if (dof >= 0) d.jacobian(num_hexes + p, dof) += model.surface.weights(p, n) / problem.cell_size;
+      if (dof >= 0) d.jacobian(num_limits + p, dof) += model.surface.weights(p, n) / problem.cell_size;
     }
   return d;
 }
@@ -291,4 +299,22 @@ TEST_CASE("a block that lands flat on frictionless ground ends each step where a
   CHECK(result.travelled > 0.05);
   CHECK(result.limits > 3);
   CHECK(result.contacts > 8);
+}
+
+TEST_CASE("a block with limits on parts and peaks ends each step where an interior-point method does") {
+  Body beam = test::make_block({4, 1, 1}, Vector3d::Zero(), 0.1);
+  beam.material.young = 1e5;
+  for (int node = 0; node < 4; ++node) beam.fixed_nodes.push_back(node);
+  const EnergyLimitOptions hard{.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.03};
+  const auto limited = GENERATE(0, 1, 2, 3);
+  CAPTURE(limited);
+  PartLimitOptions& parts = beam.part_limits;
+  if (limited == 0) parts.volumetric = hard;
+  if (limited == 1) parts.deviatoric = hard;
+  if (limited == 2) parts.fibre = hard, parts.fibre_direction = {1, 1, 0};
+  if (limited == 3) parts.volumetric = parts.fibre = beam.limit = hard, beam.limit.measure = LimitMeasure::peak;
+  const Comparison result = compare(beam, {}, 25, 6);
+  CHECK(result.compared >= 4);
+  CHECK(result.travelled > 0.02);
+  CHECK(result.limits > 1);
 }

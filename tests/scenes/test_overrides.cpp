@@ -150,3 +150,24 @@ TEST_CASE("a value cannot smuggle in further keys", "[overrides]") {
   const Scene scene = with({"description=\"x\"\nname = \"y\""});
   CHECK(scene.name == "scene");
 }
+
+TEST_CASE("a --set of a part's limit turns that limit on and leaves the others alone", "[overrides]") {
+  const Scene scene = with({"body.beam.limit.volumetric.stretch=5%", "body.beam.limit.fibre.density=300",
+                            "body.beam.limit.fibre.energy=2 J", "body.beam.limit.fibre.measure=peak",
+                            "body.beam.limit.fibre.direction=[0,2,0]", "body.beam.limit.deviatoric.kind=soft"});
+  const BodyDescription& beam = scene.bodies[0];
+  CHECK(beam.limit.unit == LimitUnit::energy);
+  CHECK(beam.limit.value.at(0) == 100);
+  CHECK(beam.limit.measure == LimitMeasure::mean);
+  CHECK(beam.part_limits.volumetric.kind == LimitKind::hard);
+  CHECK(beam.part_limits.volumetric.unit == LimitUnit::stretch);
+  CHECK(beam.part_limits.volumetric.value.at(0) == 0.05);
+  CHECK(beam.part_limits.fibre.unit == LimitUnit::energy);
+  CHECK(beam.part_limits.fibre.value.at(0) == 2);
+  CHECK(beam.part_limits.fibre.measure == LimitMeasure::peak);
+  CHECK(beam.part_limits.fibre_direction == Vector3d(0, 2, 0));
+  CHECK(beam.part_limits.deviatoric.kind == LimitKind::soft);
+  CHECK(with({"body.beam.limit.volumetric.stretch=5%", "body.beam.limit.volumetric.kind=none"})
+            .bodies[0]
+            .part_limits.volumetric.kind == LimitKind::none);
+}

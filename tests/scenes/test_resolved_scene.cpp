@@ -66,6 +66,11 @@ shape = "box"
 size = [0.1, 0.2, 0.3]
 drop_height = "1 in"
 limit.density = "3 kJ/m^3"
+limit.measure = "peak"
+limit.volumetric.stretch = { keys = [[0, "15 %"], [1, "2 %"]] }
+limit.fibre.energy = "7 J"
+limit.fibre.kind = "soft"
+limit.fibre.direction = [0, 2, 0.30000000000000004]
 [obstacle.press]
 shape = "box"
 size = [0.1, 0.7, 0.3]
@@ -123,6 +128,14 @@ sky = { kind = "map", map = ")" +
   CHECK(b.limit.kind == LimitKind::soft);
   CHECK(b.limit.value.at(0) == 1.5);
   CHECK(b.limit.value.at(1) == 0.2);
+  CHECK(again.bodies[0].limit.measure == LimitMeasure::peak);
+  const PartLimitOptions& parts = again.bodies[0].part_limits;
+  CHECK(parts.volumetric.kind == LimitKind::hard);
+  CHECK(parts.volumetric.value.at(1) == 0.02);
+  CHECK(parts.deviatoric.kind == LimitKind::none);
+  CHECK(parts.fibre.kind == LimitKind::soft);
+  CHECK(parts.fibre.unit == LimitUnit::energy);
+  CHECK(parts.fibre_direction == Vector3d(0, 2, 0.30000000000000004));
   CHECK(b.fixed.size() == 2);
   CHECK(b.look.base_color == b0.look.base_color);
   CHECK(again.obstacles[0].name == "ball");
@@ -166,4 +179,12 @@ TEST_CASE("random numbers survive the resolved scene to the last bit", "[resolve
     REQUIRE(again.bodies[0].limit.value.at(0) == body.limit.value.at(0));
     REQUIRE(again.bodies[0].look.base_color == body.look.base_color);
   }
+}
+
+TEST_CASE("comments stand behind their keys and change nothing that is read", "[resolved]") {
+  const Scene scene = read_text("[body.a]\nlimit.stretch = \"5 %\"\n[body.b]\nlimit.stretch = \"5 %\"\n");
+  const std::string plain = resolved_toml(scene),
+                    told = resolved_toml(scene, {{"body.b.limit.stretch", "= 5 J per hex"}});
+  CHECK(told.find("limit.stretch = 0.05  # = 5 J per hex\n") > told.find("[body.b]"));
+  CHECK(resolved_toml(read_text(told)) == plain);
 }

@@ -49,14 +49,32 @@ Matrix3Of<S> strain_of(const ReferenceHex& hex, const NodesOf<S>& u, int q) {
   return 0.5 * (gradient + gradient.transpose());
 }
 
+// f.eps f
+template <class S>
+S along_fibre(const ReferenceHex& hex, const Matrix3Of<S>& strain) {
+  S sum = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) sum += hex.fibre[i] * hex.fibre[k] * strain(i, k);
+  return sum;
+}
+
+template <class S>
+Matrix3Of<S> stress_of(const ReferenceHex& hex, const Matrix3Of<S>& strain) {
+  const Matrix3d along = hex.fibre_young * hex.fibre * hex.fibre.transpose();
+  return hex.lame_lambda * strain.trace() * Matrix3Of<S>::Identity() + 2 * hex.lame_mu * strain +
+         along_fibre(hex, strain) * along.template cast<S>();
+}
+
 template <class S>
 S energy_of(const ReferenceHex& hex, const NodesOf<S>& x) {
   const NodesOf<S> u = frame_of(hex, x).local - hex.rest.template cast<S>();
   S energy = 0;
   for (int q = 0; q < 8; ++q) {
     const Matrix3Of<S> strain = strain_of(hex, u, q);
-    const S trace = strain.trace();
-    energy += hex.weight * (0.5 * hex.lame_lambda * trace * trace + hex.lame_mu * strain.cwiseProduct(strain).sum());
+    const S trace = strain.trace(), along = along_fibre(hex, strain);
+    energy +=
+        hex.weights[q] * (0.5 * hex.lame_lambda * trace * trace + hex.lame_mu * strain.cwiseProduct(strain).sum() +
+                          0.5 * hex.fibre_young * along * along);
   }
   return energy;
 }
@@ -68,8 +86,7 @@ NodesOf<S> force_of(const ReferenceHex& hex, const NodesOf<S>& x) {
   NodesOf<S> g = NodesOf<S>::Zero();
   for (int q = 0; q < 8; ++q) {
     const Matrix3Of<S> strain = strain_of(hex, u, q);
-    const Matrix3Of<S> stress = hex.lame_lambda * strain.trace() * Matrix3Of<S>::Identity() + 2 * hex.lame_mu * strain;
-    g += hex.weight * hex.gradients[q].template cast<S>() * stress;
+    g += hex.weights[q] * hex.gradients[q].template cast<S>() * stress_of(hex, strain);
   }
   const auto cross = [](const Vector3Of<S>& a, const Vector3Of<S>& b) {
     return Vector3Of<S>(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
@@ -108,10 +125,29 @@ ReferenceHex make_reference_hex(const Matrix8x3d& nodes, double young, double po
         {0.5 + (q & 4 ? offset : -offset), 0.5 + (q & 2 ? offset : -offset), 0.5 + (q & 1 ? offset : -offset)});
   hex.centre_gradients = gradients_at(Vector3d::Constant(0.5));
   hex.rest = nodes.rowwise() - (low + 0.5 * size).transpose();
-  hex.weight = size.prod() / 8;
+  hex.weights.fill(size.prod() / 8);
   hex.lame_lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
   hex.lame_mu = young / (2 * (1 + poisson));
   return hex;
+}
+
+ReferenceHex limited_part(const ReferenceHex& hex, const Model& model, const HexLimit& limit, double young) {
+  ReferenceHex part = hex;
+  const Model::BodyRange& body = model.bodies[model.hex_body[limit.hex]];
+  if (limit.part == EnergyPart::volumetric) part.lame_lambda += 2 * hex.lame_mu / 3, part.lame_mu = 0;
+  if (limit.part == EnergyPart::deviatoric) part.lame_lambda = -2 * hex.lame_mu / 3;
+  if (limit.part == EnergyPart::fibre) {
+    part.lame_lambda = part.lame_mu = 0;
+    part.fibre_young = young;
+    part.fibre = model.fibre_directions.row(limit.hex).transpose();
+  }
+  if (limit_on(body.limit, body.part_limits, limit.part).measure == LimitMeasure::mean) return part;
+  // the points of a part follow one another
+  int first = model.limit_starts[limit.hex];
+  while (model.limits[first].part != limit.part) ++first;
+  part.weights.fill(0);
+  part.weights[std::size_t(limit.form - model.limits[first].form)] = 8 * hex.weights[0];
+  return part;
 }
 
 double reference_energy(const ReferenceHex& hex, const NodesOf<double>& x) {
@@ -152,16 +188,15 @@ NodesOf<double> reference_warped_product(const ReferenceHex& hex, const NodesOf<
   NodesOf<double> g = NodesOf<double>::Zero();
   for (int q = 0; q < 8; ++q) {
     const Matrix3d strain = strain_of(hex, local, q);
-    const Matrix3d stress = hex.lame_lambda * strain.trace() * Matrix3d::Identity() + 2 * hex.lame_mu * strain;
-    g += hex.weight * hex.gradients[q] * stress;
+    g += hex.weights[q] * hex.gradients[q] * stress_of(hex, strain);
   }
   return g * rotation.transpose();
 }
 
 ReferenceStep make_reference_step(const Model& model, const StepOptions& options, const State& before) {
-  ReferenceStep step{&model, options.gravity, options.time_step, before, {}, {}, {}, {}};
+  ReferenceStep step{&model, options.gravity, options.time_step, before, {}, {}, {}, {}, {}};
   const double end = before.time + options.time_step;
-  step.limits.resize(model.num_hexes());
+  step.limits.resize(Eigen::Index(model.limits.size()));
   step.alpha.resize(model.num_nodes());
   step.beta.resize(model.num_hexes());
   for (const Model::BodyRange& body : model.bodies)
@@ -170,8 +205,13 @@ ReferenceStep make_reference_step(const Model& model, const StepOptions& options
     const Model::BodyRange& body = model.bodies[model.hex_body[e]];
     step.hexes.push_back(make_reference_hex(hex_nodes(model, model.rest_positions, e), body.material.young.at(end),
                                             body.material.poisson));
-    step.limits[e] = energy_limit_at(model, e, end);
     step.beta[e] = body.material.damping_stiffness;
+  }
+  for (std::size_t l = 0; l < model.limits.size(); ++l) {
+    const HexLimit& limit = model.limits[l];
+    const double young = model.bodies[model.hex_body[limit.hex]].material.young.at(end);
+    step.limited.push_back(limited_part(step.hexes[limit.hex], model, limit, young));
+    step.limits[Eigen::Index(l)] = energy_limit_at(model, limit.hex, end, limit.part);
   }
   return step;
 }
@@ -245,8 +285,12 @@ ReferenceForces reference_forces(const ReferenceStep& step, const State& after) 
                    step.beta[e] * reference_warped_product(step.hexes[e], nodes_at(step, step.before.positions, e),
                                                            nodes_at(step, velocities, e)),
                    forces.damping);
-    if (after.limit_multipliers[e] > 0)
-      add_to_nodes(step, e, after.limit_multipliers[e] / step.limits[e] * force, forces.limit);
+  }
+  for (Eigen::Index l = 0; l < step.limits.size(); ++l) {
+    if (after.limit_multipliers[l] <= 0) continue;
+    const int e = model.limits[l].hex;
+    const NodesOf<double> force = reference_force_by_steps(step.limited[l], nodes_at(step, after.positions, e));
+    add_to_nodes(step, e, after.limit_multipliers[l] / step.limits[l] * force, forces.limit);
   }
   for (const State::ContactImpulse& contact : after.contacts)
     for (int n = 0; n < 8; ++n)

@@ -15,16 +15,22 @@ namespace umax::test {
 template <class S>
 using NodesOf = Eigen::Matrix<S, 8, 3>;
 
-/// A box-shaped hex at rest.
+/// A box-shaped hex at rest and its energy; also a limited part of the energy, with moduli and weights of its own.
 struct ReferenceHex {
   NodesOf<double> rest;                      // [m] about the centre
   std::array<NodesOf<double>, 8> gradients;  // [1/m] row j: dN_j/dX at each quadrature point
   NodesOf<double> centre_gradients;          // [1/m]
-  double weight = 0;                         // [m^3] of a quadrature point
+  std::array<double, 8> weights{};           // [m^3] of the quadrature points
   double lame_lambda = 0, lame_mu = 0;       // [Pa]
+  double fibre_young = 0;                    // [Pa] of 1/2 Y (f.eps f)^2
+  Vector3d fibre{1, 0, 0};                   // f
 };
 
 ReferenceHex make_reference_hex(const Matrix8x3d& nodes, double young, double poisson);
+
+/// What the limit bounds, as the energy of a hex: the whole, the volumetric (lambda = K, mu = 0), the deviatoric
+/// (lambda = -2/3 mu) or the fibre's part; a peak with its one point weighing the whole volume.
+ReferenceHex limited_part(const ReferenceHex& hex, const Model& model, const HexLimit& limit, double young);
 
 /// U_e [J].
 double reference_energy(const ReferenceHex& hex, const NodesOf<double>& x);
@@ -48,8 +54,9 @@ struct ReferenceStep {
   double h = 0;               // [s]
   State before;
   std::vector<ReferenceHex> hexes;
-  VectorXd limits;       // [J] infinity: none
-  VectorXd alpha, beta;  // #N [1/s], #E [s] damping
+  std::vector<ReferenceHex> limited;  // #L what each limit bounds
+  VectorXd limits;                    // #L [J]
+  VectorXd alpha, beta;               // #N [1/s], #E [s] damping
 };
 
 ReferenceStep make_reference_step(const Model& model, const StepOptions& options, const State& before);

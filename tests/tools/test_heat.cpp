@@ -145,6 +145,38 @@ TEST_CASE("the multiplier map shows the multipliers of the step") {
   CHECK(all_near(heat_values(free, deformed(free.model, uniaxial(0.2))), 0));
 }
 
+TEST_CASE("with limits on parts and peaks the energy map shows the one nearest to being reached") {
+  const Simulation simulation = simulation_of(
+      long_block("limit.stretch = \"10 %\"\nlimit.volumetric.stretch = \"40 %\"\nlimit.fibre.stretch = \"5 %\"\n"
+                 "limit.fibre.direction = [0, 1, 0]\n"),
+      {map_is("energy")});
+  const auto shown = [&](const Matrix3d& gradient) {
+    return heat_values(simulation, deformed(simulation.model, gradient));
+  };
+  CHECK(all_near(shown(uniaxial(0.2)), 4));                     // the whole
+  CHECK(all_near(shown(Vector3d(1, 1.1, 1).asDiagonal()), 4));  // the fibre
+  CHECK(all_near(
+      heat_values(simulation_of(long_block("limit.stretch = \"10 %\"\nlimit.measure = \"peak\"\n"), {map_is("energy")}),
+                  deformed(simulation.model, uniaxial(0.2))),
+      4));
+}
+
+TEST_CASE("the multiplier map shows the part that a hex is stiffened most in; a peak by all of its points") {
+  const Simulation parts =
+      simulation_of(long_block("limit.stretch = \"10 %\"\nlimit.fibre.stretch = \"5 %\"\n"), {map_is("multiplier")});
+  State state = rest_state(parts.model);
+  state.limit_multipliers[0] = 2 * energy_limit_at(parts.model, 0, 0);
+  state.limit_multipliers[1] = 3 * energy_limit_at(parts.model, 0, 0, EnergyPart::fibre);
+  CHECK(heat_values(parts, state)[0] == Approx(3));
+  CHECK(heat_values(parts, state)[1] == 0);
+  const Simulation peak =
+      simulation_of(long_block("limit.stretch = \"10 %\"\nlimit.measure = \"peak\"\n"), {map_is("multiplier")});
+  state = rest_state(peak.model);
+  state.limit_multipliers.segment(8, 8).setConstant(0.5 * energy_limit_at(peak.model, 1, 0));
+  CHECK(heat_values(peak, state)[0] == 0);
+  CHECK(heat_values(peak, state)[1] == Approx(4));
+}
+
 TEST_CASE("every hex whose limit acts is as red as a reached limit") {
   const std::string map = GENERATE("energy", "stretch");
   const Simulation simulation = simulation_of(block_scene(), {map_is(map)});
@@ -182,9 +214,11 @@ TEST_CASE("the bar of stretches ends at the limit that all hexes share, otherwis
   // 1/2 Y s^2 of 70 kPa
   CHECK(bar(long_block("limit.density = 350\n")).high == Approx(10));
 
-  for (const Legend& round : {bar(long_block("")), bar(limited + other), bar(limited, {"solver.energy=paper"}),
-                              bar(limited + other + "limit.stretch = \"5 %\"\n"),
-                              bar(long_block("limit.stretch = { keys = [[0, \"20 %\"], [1, \"15 %\"]] }\n"))}) {
+  for (const Legend& round :
+       {bar(long_block("")), bar(limited + other), bar(limited, {"solver.energy=paper"}),
+        bar(limited + other + "limit.stretch = \"5 %\"\n"), bar(long_block("limit.fibre.stretch = \"15 %\"\n")),
+        bar(limited, {"body.block.limit.measure=peak"}),
+        bar(long_block("limit.stretch = { keys = [[0, \"20 %\"], [1, \"15 %\"]] }\n"))}) {
     CHECK_FALSE(round.ends_at_limit);
     CHECK(round.low == 0);
   }
