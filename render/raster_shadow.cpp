@@ -29,14 +29,16 @@ void project(const Frame& frame, const Matrix4f& shadow_from_world, int size, st
 /// Keeps the nearest depth of a triangle at the pixel centres that it covers, edges included.
 void draw_triangle(Projected a, Projected b, Projected c, float* map, int size) {
   if (a.z < 0 || b.z < 0 || c.z < 0) return;
-  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  if (area == 0 || !std::isfinite(area)) return;
-  if (area < 0) std::swap(b, c);
   const auto clamped = [&](float value) { return int(std::clamp(value, -1.0f, float(size))); };
   const int x0 = std::max(clamped(std::ceil(std::min({a.x, b.x, c.x}) - 0.5f)), 0);
   const int x1 = std::min(clamped(std::floor(std::max({a.x, b.x, c.x}) - 0.5f)), size - 1);
+  if (x0 > x1) return;  // most triangles of a fine mesh lie between pixel centres
   const int y0 = std::max(clamped(std::ceil(std::min({a.y, b.y, c.y}) - 0.5f)), 0);
   const int y1 = std::min(clamped(std::floor(std::max({a.y, b.y, c.y}) - 0.5f)), size - 1);
+  if (y0 > y1) return;
+  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  if (area == 0 || !std::isfinite(area)) return;
+  if (area < 0) std::swap(b, c);
   const float scale = 1 / std::abs(area);
   for (int y = y0; y <= y1; ++y) {
     const float py = float(y) + 0.5f;
