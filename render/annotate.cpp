@@ -229,13 +229,14 @@ void draw_label(Image8& image, const std::string& text, float x, float y, const 
   write_text(cairo, text, left + (options.backed ? pad : 0), top + 0.95 * letter + (options.backed ? 0.5 * pad : 0));
 }
 
-Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns) {
+Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, const SheetStyle& style) {
   if (pictures.empty()) return {};
   assert(columns > 0);
   const Image8& first = pictures.front().image;
   const int num_columns = std::min(columns, int(pictures.size()));
   const int num_rows = (int(pictures.size()) + num_columns - 1) / num_columns;
-  const int letter = std::max(10, first.height / 16), gap = std::max(4, first.width / 60), caption = 2 * letter;
+  const int letter = std::max(10, int(style.letter_share * float(first.height))), gap = std::max(4, first.width / 60),
+            caption = 2 * letter;
   const int cell_width = first.width + gap, cell_height = first.height + caption + gap;
   Image8 sheet(num_columns * cell_width + gap, num_rows * cell_height + gap, 3);
   for (std::size_t i = 0; i < sheet.values.size(); i += 3)

@@ -38,8 +38,12 @@ struct LabelledImage {
   std::string label;
 };
 
+struct SheetStyle {
+  float letter_share = 1.0f / 16;  // [-] height of the labels' letters, of a picture's (at least 10 px)
+};
+
 /// Pictures of one size in rows of `columns` with their labels below, on a dark sheet.
-Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns);
+Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, const SheetStyle& style = {});
 
 /// What the screen and the PNG get: the scene's exposure, the tone curve, and its legend.
 Image8 present(const Image& linear, const RenderScene& scene, ToneCurve curve = ToneCurve::filmic);

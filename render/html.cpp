@@ -3,7 +3,6 @@
 #include <cstddef>
 
 namespace umax {
-namespace {
 
 std::string base64(std::string_view bytes) {
   constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -20,8 +19,6 @@ std::string base64(std::string_view bytes) {
   }
   return text;
 }
-
-}  // namespace
 
 std::string html_text(std::string_view text) {
   std::string out;

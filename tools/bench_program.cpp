@@ -22,6 +22,7 @@ namespace {
 struct Outcome {
   double seconds = 0;
   double peak_gib = 0;
+  double cpu_seconds = 0;  // of it and of what it waited for
 };
 
 // a folder that goes with the benchmark
@@ -37,6 +38,11 @@ struct ScratchFolder {
     std::filesystem::remove_all(path, ignored);
   }
 };
+
+double cpu_seconds(const rusage& usage) {
+  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
 
 // runs a command with its output thrown away; throws if it fails
 Outcome run(const std::vector<std::string>& command) {
@@ -57,7 +63,7 @@ Outcome run(const std::vector<std::string>& command) {
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw std::runtime_error(fmt::format("{} ended with status {}", command[0], status));
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-          double(usage.ru_maxrss) / (1024.0 * 1024.0)};
+          double(usage.ru_maxrss) / (1024.0 * 1024.0), cpu_seconds(usage)};
 }
 
 std::string program() {
@@ -115,6 +121,18 @@ std::vector<std::string> reproduce(const std::filesystem::path& report) {
   return command;
 }
 
+BenchRows tuning() {
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch.path / "tune";
+  const Outcome outcome =
+      run({program(), "tune", "figure", "--vary", "body.figure.limit.stretch=2.5%,5%,7.5%,10%,15%,20%,30%,40%", "--set",
+           "clip.frames=120", "-o", folder, "--quiet"});
+  const double megabytes = double(std::filesystem::file_size(folder / "tune.html")) / 1e6;
+  return {at_most("umax tune: 8 variants of figure, 120 frames, 320x180", outcome.seconds / 60, 3, "min",
+                  fmt::format("{:.0f} s of processors", outcome.cpu_seconds)),
+          at_most("its page", megabytes, 25, "MB")};
+}
+
 BenchRows quick_report() {
   const ScratchFolder scratch;
   std::vector<std::string> command = reproduce(scratch.path / "report");
@@ -161,6 +179,7 @@ std::vector<Benchmark> program_benchmarks() {
       {"100k", false, false, large_beam},
       {"demo", false, false, demo},
       {"noise", true, false, noise},
+      {"tune", false, false, tuning},
       {"reproduce-quick", false, false, quick_report},
       {"reproduce", true, false, whole_report},
       {"build", true, false, clean_build},

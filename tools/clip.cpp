@@ -44,7 +44,8 @@ void check_png_bytes(const fs::path& path, std::string_view bytes, int width, in
     const std::size_t length = big_endian(bytes);
     if (length > bytes.size() - 12) break;
     const std::string_view type = bytes.substr(4, 4), checked = bytes.substr(4, length + 4);
-    if (crc32_of(checked) != big_endian(bytes.substr(length + 8))) fail_png(path, "is damaged: a checksum does not fit");
+    if (crc32_of(checked) != big_endian(bytes.substr(length + 8)))
+      fail_png(path, "is damaged: a checksum does not fit");
     if (type == "IEND") return;
     bytes.remove_prefix(length + 12);
   }
@@ -116,14 +117,11 @@ void check_png(const fs::path& path, int width, int height) {
   check_png_bytes(path, read_file(path), width, height);
 }
 
-void encode_clip(const fs::path& clip, const std::vector<fs::path>& pictures, const ClipOptions& options) {
+void encode_clip(const fs::path& clip, std::size_t num_pictures, const PictureSource& picture,
+                 const ClipOptions& options) {
   const fs::path temporary = temporary_clip(clip);
   const auto next_picture = [&, index = std::size_t(0)]() mutable {
-    if (index == pictures.size()) return std::string();
-    const fs::path& picture = pictures[index++];
-    std::string bytes = read_file(picture);
-    check_png_bytes(picture, bytes, options.width, options.height);
-    return bytes;
+    return index == num_pictures ? std::string() : picture(index++);
   };
 
   std::error_code error;
@@ -131,16 +129,26 @@ void encode_clip(const fs::path& clip, const std::vector<fs::path>& pictures, co
     const ProcessResult result = run_process(encode_command(temporary, options), next_picture);
     if (result.exit_code != 0) fail_encoding(clip, result);
     const long long count = count_frames(temporary);
-    if (count != static_cast<long long>(pictures.size()))
-      throw Error(ExitCode::io_error,
-                  {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, pictures.size()), "",
-                   "look for room on the disk, then go on with --resume"});
+    if (count != static_cast<long long>(num_pictures))
+      throw Error(ExitCode::io_error, {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures),
+                                       "", "look for room on the disk, then go on with --resume"});
     sync_file(temporary);
     fs::rename(temporary, clip);
   } catch (...) {
     fs::remove(temporary, error);
     throw;
   }
+}
+
+void encode_clip(const fs::path& clip, const std::vector<fs::path>& pictures, const ClipOptions& options) {
+  encode_clip(
+      clip, pictures.size(),
+      [&](std::size_t index) {
+        std::string bytes = read_file(pictures[index]);
+        check_png_bytes(pictures[index], bytes, options.width, options.height);
+        return bytes;
+      },
+      options);
 }
 
 }  // namespace umax

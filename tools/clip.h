@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace umax {
@@ -21,8 +23,15 @@ void require_even_size(int width, int height);
 /// Throws Error (bad_data, io_error) unless the file is a whole PNG of this size.
 void check_png(const std::filesystem::path& path, int width, int height);
 
-/// Encodes the PNGs in their order into `clip`, which is put in place only when it is whole and has as many frames.
-/// The same pictures give the same bytes. Throws Error.
+/// Gives the bytes of a clip's picture, a PNG; index from 0.
+using PictureSource = std::function<std::string(std::size_t index)>;
+
+/// Encodes `count` pictures as they come into `clip`, which is put in place only when it is whole and has as many
+/// frames. The same pictures give the same bytes. Throws Error.
+void encode_clip(const std::filesystem::path& clip, std::size_t count, const PictureSource& picture,
+                 const ClipOptions& options);
+
+/// Encodes the PNGs in their order, each checked. Throws Error.
 void encode_clip(const std::filesystem::path& clip, const std::vector<std::filesystem::path>& pictures,
                  const ClipOptions& options);
 

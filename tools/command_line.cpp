@@ -12,8 +12,8 @@ namespace umax {
 namespace {
 
 constexpr std::string_view everywhere =
-    "run simulate render turntable drop inspect scenes presets reproduce fit compare help";
-constexpr std::string_view not_built[] = {"tune", "export"};
+    "run simulate render turntable drop inspect scenes presets reproduce tune fit compare help";
+constexpr std::string_view not_built[] = {"export"};
 
 /// An option with the verbs that take it and what help says of it.
 struct OptionEntry {
@@ -54,6 +54,7 @@ class Grammar {
     add_run_options(options);
     add_picture_options(options);
     add_mesh_options(options);
+    add_tune_options(options);
     add_fit_options(options);
     add_general_options(options);
   }
@@ -100,16 +101,17 @@ class Grammar {
   }
 
   void add_run_options(Options& o) {
-    constexpr std::string_view runs = "run simulate render turntable drop", steps = "run simulate drop";
-    constexpr std::string_view folders = "run simulate render turntable drop reproduce";
-    add("-o,--output", "DIR", o.output, "run simulate render turntable drop reproduce fit",
-        "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; fit: ./NAME-fit)");
-    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect presets reproduce",
+    constexpr std::string_view runs = "run simulate render turntable drop", steps = "run simulate drop tune";
+    constexpr std::string_view folders = "run simulate render turntable drop reproduce tune";
+    add("-o,--output", "DIR", o.output, "run simulate render turntable drop reproduce tune fit",
+        "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; tune, fit: "
+        "./NAME-tune, ./NAME-fit)");
+    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect presets reproduce tune",
         "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable")
         ->allow_extra_args(false);
     add("--frames", "LIST", o.frames, runs, "only these frames, as in 1-40,50,60-90x2");
     add_flag("--resume", o.resume, folders, "go on with the folder's run where it stopped");
-    add_flag("--overwrite", o.overwrite, "run simulate render turntable drop reproduce fit",
+    add_flag("--overwrite", o.overwrite, "run simulate render turntable drop reproduce tune fit",
              "replace the run that the folder holds");
     add_flag("--strict", o.strict, steps, "end with exit code 75 when a step does not converge");
     add_flag("--quick", o.quick, "run render turntable drop reproduce",
@@ -117,10 +119,10 @@ class Grammar {
   }
 
   void add_picture_options(Options& o) {
-    constexpr std::string_view pictures = "run render turntable drop";
+    constexpr std::string_view pictures = "run render turntable drop tune";
     add("--engine", "ENGINE", o.engine, pictures, "embree (path tracer) or osmesa (rasteriser)")
         ->check(CLI::IsMember({"embree", "osmesa"}));
-    add("--samples", "N", o.samples, "run render turntable drop reproduce", "paths per pixel of the path tracer")
+    add("--samples", "N", o.samples, "run render turntable drop reproduce tune", "paths per pixel of the path tracer")
         ->check(CLI::Range(1, 1'000'000));
     add("--size", "WxH", o.size, pictures, "size of the pictures in pixels, as in 1280x720")->check(is_size, "WxH");
     add("--seed", "N", o.seed, pictures, "seed of the path tracer's noise")->check(CLI::Range(0LL, 4294967295LL));
@@ -141,6 +143,15 @@ class Grammar {
     add_flag("--json", o.json, "inspect", "print one JSON object");
   }
 
+  void add_tune_options(Options& o) {
+    add("--vary", "KEY=A,B,C", o.variations, "tune",
+        "run the scene once for each value; repeatable: every combination; as in "
+        "--vary body.figure.limit.stretch=5%,10%,20%")
+        ->allow_extra_args(false);
+    add_flag("--presets", o.presets, "tune", "vary material.preset over all presets (umax presets)");
+    add_flag("--final", o.final, "tune", "the scene as it is, not a preview of it");
+  }
+
   void add_fit_options(Options& o) {
     add("--test", "KIND", o.test, "fit", "uniaxial (default), compression or shear")
         ->check(CLI::IsMember({"uniaxial", "compression", "shear"}));
@@ -153,15 +164,15 @@ class Grammar {
   }
 
   void add_general_options(Options& o) {
-    constexpr std::string_view workers = "run simulate render turntable drop reproduce inspect compare";
+    constexpr std::string_view workers = "run simulate render turntable drop reproduce tune inspect compare";
     static const std::map<std::string, ProgressMode> modes{
         {"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}};
     add("--threads", "N", o.threads, workers, "number of threads (default: all cores); results do not depend on it")
         ->check(CLI::Range(1, 1024));
     CLI::Option* progress = app_.add_option("--progress", o.progress)->transform(CLI::CheckedTransformer(modes));
-    entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce",
+    entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce tune",
                         "auto (a bar on a terminal), plain (a line per frame) or json"});
-    add_flag("--quiet", o.quiet, "run simulate render turntable drop reproduce inspect fit compare",
+    add_flag("--quiet", o.quiet, "run simulate render turntable drop reproduce tune inspect fit compare",
              "say nothing but warnings and errors");
     add_flag("--verbose", o.verbose, workers, "say more; simulate prints a line per iteration");
     entries_.push_back({app_.add_flag("-h,--help", o.help), "-h, --help", everywhere, "this text"});
@@ -227,7 +238,8 @@ std::string help_text(const std::string& name) {
     return text +
            "\nSCENE is a .toml file or the name of a built-in scene (umax scenes). DIR is the folder of a run.\n"
            "umax help VERB tells a verb's options. Exit codes: 0 success, 1 pictures differ, 2 wrong usage,\n"
-           "65 bad data, 66 not found, 69 ffmpeg missing, 70 internal, 73 cannot create, 74 read or write failed, 75 "
+           "65 bad data, 66 not found, 69 a helper is missing, 70 internal, 73 cannot create, 74 read or write failed, "
+           "75 "
            "try again.\n";
   }
   const VerbHelp* verb = find_verb(name);

@@ -25,7 +25,7 @@ int run_verb(const Options& options) {
                                                                         {"scenes", umax::verb_scenes},
                                                                         {"presets", umax::verb_presets},
                                                                         {"reproduce", umax::verb_reproduce},
-
+                                                                        {"tune", umax::verb_tune},
                                                                         {"fit", umax::verb_fit},
                                                                         {"compare", umax::verb_compare},
                                                                         {"help", umax::verb_help}};

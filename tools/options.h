@@ -34,6 +34,9 @@ struct Options {
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
 
+  std::vector<std::string> variations;  // tune: --vary key=a,b,c
+  bool final = false, presets = false;  // tune: not only a preview; every preset
+
   std::optional<std::string> test;    // fit: "uniaxial" | "compression" | "shear"
   std::optional<std::string> length;  // fit: "50 mm", of the specimen
   std::optional<std::string> area;    // fit: "25 mm^2"

@@ -41,8 +41,16 @@ void remove_numbered(const fs::path& folder, const std::vector<std::string>& ext
     const bool known = std::find(extensions.begin(), extensions.end(), file.extension().string()) != extensions.end();
     return (known && is_numbered(file.stem().string())) || is_leftover(file);
   });
+  remove_if_empty(folder);
+}
+
+/// How many of the files of frames 1, 2, … are there before one is missing.
+template <class PathOf>
+int count_up_to_gap(const PathOf& path_of) {
+  int count = 0;
   std::error_code error;
-  if (fs::is_empty(folder, error)) fs::remove(folder, error);
+  while (fs::exists(path_of(count + 1), error)) ++count;
+  return count;
 }
 
 void empty_run(const RunFolder& folder) {
@@ -51,7 +59,7 @@ void empty_run(const RunFolder& folder) {
   remove_numbered(folder.states(), {".state"});
   std::error_code error;
   for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
-  if (fs::is_empty(folder.plots(), error)) fs::remove(folder.plots(), error);
+  remove_if_empty(folder.plots());
   for (const fs::path& file : {folder.steps(), folder.scene(), folder.record()}) fs::remove(file, error);
 }
 
@@ -64,7 +72,7 @@ void check_run_folder(const fs::path& path, ExistingFolder existing) {
 RunFolder::RunFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, run_kind) {
   if (folder_.is_new()) return;
   if (existing == ExistingFolder::overwrite) empty_run(*this);
-  for (const fs::path& folder : {this->path(), states(), frames(), plots()}) remove_files(folder, is_leftover);
+  for (const fs::path& folder : {this->path(), states(), frames(), plots()}) remove_leftovers(folder);
 }
 
 fs::path RunFolder::state(int frame) const {
@@ -85,7 +93,25 @@ void remove_run(const fs::path& path) {
   std::error_code error;
   { const RunFolder emptied(path, ExistingFolder::overwrite); }
   fs::remove(path / run_kind.lock_name, error);
-  if (fs::is_empty(path, error)) fs::remove(path, error);
+  remove_if_empty(path);
+}
+
+void remove_runs(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> runs;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_directory(error) && is_run_folder(entry->path())) runs.push_back(entry->path());
+  for (const fs::path& run : runs) remove_run(run);
+  remove_if_empty(folder);
+}
+
+void remove_leftovers(const fs::path& folder) {
+  remove_files(folder, is_leftover);
+}
+
+void remove_if_empty(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_empty(folder, error)) fs::remove(folder, error);
 }
 
 bool is_run_folder(const fs::path& path) {
@@ -96,11 +122,16 @@ fs::path state_path(const fs::path& run_folder, int frame) {
   return run_folder / "states" / (frame_name(frame) + ".state");
 }
 
+fs::path picture_path(const fs::path& run_folder, int frame) {
+  return run_folder / "frames" / (frame_name(frame) + ".png");
+}
+
 int count_states(const fs::path& run_folder) {
-  int count = 0;
-  std::error_code error;
-  while (fs::exists(state_path(run_folder, count + 1), error)) ++count;
-  return count;
+  return count_up_to_gap([&](int frame) { return state_path(run_folder, frame); });
+}
+
+int count_pictures(const fs::path& run_folder) {
+  return count_up_to_gap([&](int frame) { return picture_path(run_folder, frame); });
 }
 
 }  // namespace umax

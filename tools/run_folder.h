@@ -39,13 +39,26 @@ class RunFolder {
 /// Removes a run and its folder, unless that holds other files too. Throws what RunFolder throws.
 void remove_run(const std::filesystem::path& path);
 
+/// Removes all runs in a folder, and the folder if nothing is left in it. Throws what RunFolder throws.
+void remove_runs(const std::filesystem::path& folder);
+
+/// Removes what a killed program left half-written in a folder.
+void remove_leftovers(const std::filesystem::path& folder);
+
+/// Removes a folder that holds nothing; does nothing to others.
+void remove_if_empty(const std::filesystem::path& folder);
+
 /// Whether a run of this program made the folder.
 bool is_run_folder(const std::filesystem::path& path);
 
 /// Frames whose state files are there, from 1 up to the first gap.
 int count_states(const std::filesystem::path& run_folder);
 
-/// The path of a frame's state in a run's folder, whoever holds it.
+/// Frames whose pictures are there, from 1 up to the first gap.
+int count_pictures(const std::filesystem::path& run_folder);
+
+/// The path of a frame's state, or picture, in a run's folder, whoever holds it.
 std::filesystem::path state_path(const std::filesystem::path& run_folder, int frame);
+std::filesystem::path picture_path(const std::filesystem::path& run_folder, int frame);
 
 }  // namespace umax

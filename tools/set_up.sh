@@ -1,4 +1,5 @@
-# Sourced by tools/demo and tools/test: installs the packages that are missing, configures and builds the Release.
+# Sourced by tools/demo, tools/test and tools/bench: installs the packages that are missing, configures and builds the
+# Release. more_packages names further lists of packages.
 # Defines: root (the source folder), build (build/release), jobs. Works from any current directory.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -9,7 +10,7 @@ die() { printf '%s: error: %s\n' "$(basename "$0")" "$1" >&2; exit "$2"; }
 
 install_packages() {
   local package missing=()
-  for package in $(sed -e 's/#.*//' "$root/tools/packages"); do
+  for package in $(cd "$root/tools" && sed -e 's/#.*//' packages ${more_packages:-}); do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
   [ ${#missing[@]} -gt 0 ] || return 0

@@ -109,14 +109,15 @@ AreaLight area_light(const LightDescription& description) {
   return light;
 }
 
+Box box_of(const BodySetup& body, const Points& nodes) {
+  const Points points = deform_points(body.embedding.points, body.lattice.hexes,
+                                      nodes.middleRows(body.first_node, body.lattice.num_nodes()));
+  return {Vector3d(points.colwise().minCoeff().transpose()), Vector3d(points.colwise().maxCoeff().transpose())};
+}
+
 Box box_of(const Simulation& simulation, const Points& nodes) {
   Box box;
-  for (const BodySetup& body : simulation.bodies) {
-    const Points points = deform_points(body.embedding.points, body.lattice.hexes,
-                                        nodes.middleRows(body.first_node, body.lattice.num_nodes()));
-    box.extend(Vector3d(points.colwise().minCoeff().transpose()));
-    box.extend(Vector3d(points.colwise().maxCoeff().transpose()));
-  }
+  for (const BodySetup& body : simulation.bodies) box.extend(box_of(body, nodes));
   return box;
 }
 

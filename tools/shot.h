@@ -26,7 +26,8 @@ struct Stage {
 /// sky's picture cannot be read.
 Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range = {});
 
-/// Box around the bodies' surfaces.
+/// Box around a body's surface, of the model's nodes; around the surfaces of all bodies.
+Box box_of(const BodySetup& body, const Points& nodes);
 Box box_of(const Simulation& simulation, const Points& nodes);
 
 /// The renderers' scene at the state's time.

@@ -36,6 +36,12 @@ class Descriptor {
     if (number_ >= 0) ::close(number_);
     number_ = -1;
   }
+  /// Gives it up to the caller.
+  int release() {
+    const int number = number_;
+    number_ = -1;
+    return number;
+  }
 
  private:
   int number_;
@@ -87,7 +93,7 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   posix_spawnattr_init(&attributes);
   sigset_t defaults;
   sigemptyset(&defaults);
-  for (const int number : {SIGPIPE, SIGXFSZ, SIGTERM}) sigaddset(&defaults, number);
+  for (const int number : {SIGPIPE, SIGXFSZ, SIGTERM, SIGINT, SIGHUP}) sigaddset(&defaults, number);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   // a group of its own: Ctrl-C on the terminal is ours to handle
   posix_spawnattr_setpgroup(&attributes, 0);
@@ -154,6 +160,58 @@ ProcessResult run_process(const std::vector<std::string>& command, const InputSo
   result.output = read_from_start(output.get());
   result.messages = read_from_start(messages.get());
   return result;
+}
+
+RunningProcess::RunningProcess(const std::vector<std::string>& command) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::io_error, {command.front(), "no pipe can be made", "", ""});
+  Descriptor read_end(ends[0]), write_end(ends[1]), messages(::memfd_create("messages", MFD_CLOEXEC));
+  const Descriptor nothing(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  child_ = start(command, nothing.get(), write_end.get(), messages.get());
+  ::fcntl(read_end.get(), F_SETFL, O_NONBLOCK);
+  output_ = read_end.release();
+  messages_ = messages.release();
+}
+
+RunningProcess::~RunningProcess() {
+  if (!exit_code_) {
+    send(SIGTERM);
+    wait();
+  }
+  if (output_ >= 0) ::close(output_);
+  ::close(messages_);
+}
+
+std::vector<std::string> RunningProcess::new_lines() {
+  std::array<char, 4096> block;
+  while (output_ >= 0) {
+    const ssize_t count = ::read(output_, block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EAGAIN) break;
+    if (count <= 0) {
+      ::close(output_);
+      output_ = -1;
+      break;
+    }
+    unfinished_.append(block.data(), std::size_t(count));
+  }
+  std::vector<std::string> lines;
+  for (std::size_t end; (end = unfinished_.find('\n')) != std::string::npos; unfinished_.erase(0, end + 1))
+    lines.push_back(unfinished_.substr(0, end));
+  return lines;
+}
+
+void RunningProcess::send(int signal) const {
+  if (!exit_code_) ::kill(child_, signal);
+}
+
+int RunningProcess::wait() {
+  if (!exit_code_) exit_code_ = wait_for(child_);
+  return *exit_code_;
+}
+
+std::string RunningProcess::messages() const {
+  return read_from_start(messages_);
 }
 
 }  // namespace umax

@@ -50,6 +50,26 @@ const std::vector<VerbHelp>& verbs() {
        "them. With --resume a report that was stopped goes on, and further experiments join its page.\n\n"
        "  umax reproduce figure3 --quick\n"
        "  umax reproduce --set body.armadillo.mesh=armadillo.obj\n"},
+      {"tune", "SCENE", "variants of a scene side by side",
+       "Runs the scene once for every combination of the values that --vary lists, several at a time as cores and "
+       "memory\n"
+       "allow, and writes DIR/tune.html, a page with all variants in step under one scrubber, their plots and values, "
+       "and\n"
+       "lines to copy into the scene; DIR/sheet.png, the moment at which they are stretched most; and "
+       "DIR/variants.mp4.\n"
+       "Each variant is a run of its own in DIR/runs. The page opens from the disk in any browser.\n\n"
+       "Without --final it is a preview: small rasterised pictures, cages of 400 hexes at most; what it changes is "
+       "said,\n"
+       "and never what you set or vary. A variant that fails does not end the others; the exit code is then its own. "
+       "With\n"
+       "--resume only what is missing is made. --presets compares all materials (umax presets), without a SCENE on "
+       "the\n"
+       "scene materials. The plots need libjs-chart.js; the environment's UMAX_JAVASCRIPT may name another folder of "
+       "it.\n\n"
+       "  umax tune figure --vary body.figure.limit.stretch=5%,10%,15%,40%\n"
+       "  umax tune figure --vary body.figure.limit.stretch=5%,20% --vary body.figure.material.young=\"50 kPa,200 "
+       "kPa\"\n"
+       "  umax tune --presets\n"},
       {"fit", "MEASUREMENTS.csv", "material and limit from force-deformation data",
        "Simulates the test that was measured on hexes and adjusts Young's modulus, the limit and, where the data tell "
        "it,\n"

@@ -14,6 +14,7 @@ int verb_inspect(const Options& options);
 int verb_scenes(const Options& options);
 int verb_presets(const Options& options);
 int verb_reproduce(const Options& options);
+int verb_tune(const Options& options);
 int verb_fit(const Options& options);
 int verb_compare(const Options& options);
 int verb_help(const Options& options);

@@ -70,6 +70,7 @@ while read -r line; do
       [[ "$line" == *--frames* ]] || words+=(--frames 60)  # simulates up to 60, draws that one
       ;;
     turntable) words+=("${small[@]}" --frames 1-2) ;;
+    tune) words+=(--size 32x18 --set clip.frames=8) ;;
     reproduce) words+=(corrections --quick) ;;  # the one experiment that takes no time
   esac
   echo "-- ${words[*]}"

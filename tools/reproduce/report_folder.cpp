@@ -30,20 +30,6 @@ std::optional<ReportRecord> read_record(const fs::path& folder) {
 constexpr FolderKind report_kind{"report of umax reproduce", ".umax-report.lock",
                                  [](const fs::path& path) { return read_record(path).has_value(); }};
 
-void remove_if_empty(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_empty(folder, error)) fs::remove(folder, error);
-}
-
-void remove_runs(const fs::path& runs) {
-  std::error_code error;
-  std::vector<fs::path> folders;
-  for (fs::directory_iterator entry(runs, error), end; !error && entry != end; entry.increment(error))
-    if (entry->is_directory(error) && is_run_folder(entry->path())) folders.push_back(entry->path());
-  for (const fs::path& folder : folders) remove_run(folder);
-  remove_if_empty(runs);
-}
-
 }  // namespace
 
 ReportFolder::ReportFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, report_kind) {

@@ -1,0 +1,89 @@
+#include "tools/tune/measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/heat.h"
+#include "tools/run_folder.h"
+#include "tools/shot.h"
+
+namespace umax {
+namespace {
+
+double largest_of(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+/// [J] the energy of all hexes stretched to twice their length.
+double energy_scale(const Model& model, double time) {
+  double sum = 0;
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    sum += 0.5 * young_at(model, e, time) * model.shapes[model.hex_shape[e]].volume;
+  return sum;
+}
+
+/// [m] of each body's surface.
+std::vector<double> heights(const Simulation& simulation, const Points& nodes, Box& box) {
+  std::vector<double> result;
+  for (const BodySetup& body : simulation.bodies) {
+    const Box own = box_of(body, nodes);
+    box.extend(own);
+    result.push_back(own.sizes().y());
+  }
+  return result;
+}
+
+void measure_frames(const Simulation& simulation, const std::filesystem::path& run, VariantMeasures& measures) {
+  HeatRange range;
+  std::vector<double> at_start;
+  const int substeps = simulation.scene.clip.substeps;
+  const std::vector<double>& energy = measures.steps.columns.at("elastic_energy_J");
+  for (int frame = 1; frame <= simulation.last_frame(); ++frame) {
+    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
+    const std::vector<double> now = heights(simulation, state.positions, measures.box);
+    if (frame == 1) at_start = now;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (frame == 1 || now[i] / at_start[i] < measures.least_share) {
+        measures.least_share = now[i] / at_start[i];
+        measures.least_height = now[i];
+      }
+    extend(range, simulation, state);
+    const std::size_t row = std::size_t((frame - 1) * substeps);
+    const double elastic = row == 0 || row > energy.size() ? 0 : energy[row - 1];
+    measures.stretch.push_back(std::sqrt(std::max(elastic, 0.0) / energy_scale(simulation.model, state.time)));
+  }
+  measures.largest_stretch = range.largest;
+}
+
+}  // namespace
+
+VariantMeasures measure(const Scene& scene, const std::filesystem::path& run) {
+  Scene stretch_of = scene;
+  stretch_of.render.heatmap = Heatmap::stretch;
+  const Simulation simulation = set_up(stretch_of);
+  VariantMeasures measures;
+  measures.hexes = int(simulation.model.num_hexes());
+  measures.steps = read_steps(run / "steps.csv", steps_header(probe_names(scene)));
+  measures.largest_ratio = largest_of(measures.steps.columns.at("max_energy_ratio"));
+  measures.most_limits = int(largest_of(measures.steps.columns.at("limits_active")));
+  measures.steps_not_converged =
+      int(std::count(measures.steps.converged.begin(), measures.steps.converged.end(), false));
+  measure_frames(simulation, run, measures);
+  return measures;
+}
+
+int worst_frame(const std::vector<VariantMeasures>& measures) {
+  int worst = 1;
+  double largest = -1;
+  for (std::size_t frame = 0; !measures.empty() && frame < measures.front().stretch.size(); ++frame) {
+    double sum = 0;
+    for (const VariantMeasures& variant : measures) sum += frame < variant.stretch.size() ? variant.stretch[frame] : 0;
+    if (sum > largest) {
+      largest = sum;
+      worst = int(frame) + 1;
+    }
+  }
+  return worst;
+}
+
+}  // namespace umax

@@ -1,0 +1,250 @@
+#include "tools/tune/tuning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "render/write_file.h"
+#include "scenes/resolved_scene.h"
+#include "scenes/scene_file.h"
+#include "tools/run_folder.h"
+#include "tools/run_record.h"
+#include "tools/signals.h"
+#include "tools/simulation_setup.h"
+#include "tools/tune/measures.h"
+#include "tools/tune/side_by_side.h"
+#include "tools/tune/tune_page.h"
+#include "tools/tune/workers.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+enum class Stage { simulate, pictures };
+
+/// What is there of a variant's run.
+struct Found {
+  bool is_other = false;  // another version of it: another scene, mesh or solver
+  int states = 0, pictures = 0;
+  bool is_whole = false;  // with pictures and clip, of these very settings
+};
+
+/// Whether the run was made with this very scene.
+bool is_scene_of(const fs::path& run, const Scene& scene) {
+  try {
+    return resolved_toml(load_scene((run / "scene.toml").string())) == resolved_toml(scene);
+  } catch (const Error&) {
+    return false;  // of another version, or its mesh has changed
+  }
+}
+
+Found look_for(const Scene& scene, const fs::path& run) {
+  Found found;
+  const auto record = read_run_record(run / "run.json");
+  std::error_code error;
+  if (!record || !fs::exists(run / "scene.toml", error)) return found;
+  const bool same_scene = is_scene_of(run, scene);
+  found.is_other = !same_scene && set_up(scene).digest != record->model_sha256;
+  if (found.is_other) return found;
+  found.states = std::min(count_states(run), scene.clip.frames);
+  if (same_scene) found.pictures = std::min(count_pictures(run), scene.clip.frames);
+  found.is_whole = same_scene && record->exit_status == 0 && found.states == scene.clip.frames &&
+                   found.pictures == scene.clip.frames && fs::exists(run / "clip.mp4", error);
+  return found;
+}
+
+/// [bytes] measured: 0.42 GiB with 10,000 hexes, 3.2 GiB with 100,000, 0.36 GiB with a surface of 116,000 vertices.
+long long memory_of(const Scene& scene) {
+  long long bytes = 450LL << 20;
+  for (const BodyDescription& body : scene.bodies)
+    if (const int* cells = std::get_if<int>(&body.cage.size)) bytes += 40'000LL * *cells;
+  return bytes + 400LL * scene.render.width * scene.render.height;
+}
+
+/// Does the stage of all variants that lack it; results are of these, `done` are those that failed before.
+class Runner {
+ public:
+  Runner(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress)
+      : plan_(plan), folder_(folder), progress_(progress), results_(plan.variants.size()) {
+    workers_ = {.threads = threads, .memory = available_memory(), .common_words = {}};
+    if (options.strict) workers_.common_words.push_back("--strict");
+  }
+
+  const std::vector<WorkResult>& results() const { return results_; }
+  bool is_fine(std::size_t i) const { return results_[i].exit_code == 0; }
+
+  void run(const std::vector<Scene>& scenes, Stage stage) {
+    std::vector<WorkItem> items;
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      if (!is_fine(i)) continue;
+      if (const auto item = item_for(plan_.variants[i].variant.name, scenes[i], stage)) {
+        items.push_back(*item);
+        indices.push_back(i);
+      }
+    }
+    if (items.empty()) return;
+    progress_.note(fmt::format("{} of {} variants to {}, {} at a time", items.size(), scenes.size(),
+                               stage == Stage::simulate ? "simulate" : "make", count_workers(items, workers_)));
+    const std::vector<WorkResult> results = run_workers(items, workers_, "tune", progress_);
+    for (std::size_t k = 0; k < indices.size(); ++k) results_[indices[k]] = results[k];
+  }
+
+ private:
+  std::optional<WorkItem> item_for(const std::string& name, const Scene& scene, Stage stage) const {
+    const fs::path run = folder_.run(name);
+    const Found found = look_for(scene, run);
+    if (found.is_whole || (stage == Stage::simulate && found.states == scene.clip.frames)) return std::nullopt;
+    if (found.is_other) progress_.note(name + ": was made with other settings, and is made anew");
+    write_file(folder_.scene(name), resolved_toml(scene));
+    const bool pictures = stage == Stage::pictures;
+    WorkItem item;
+    item.name = name;
+    item.words = {pictures ? "run" : "simulate", folder_.scene(name).string(), "-o", run.string(),
+                  found.is_other ? "--overwrite" : "--resume"};
+    item.frames = scene.clip.frames * (pictures ? 2 : 1);
+    item.frames_done = found.states + (pictures ? found.pictures : 0);
+    item.memory = memory_of(scene);
+    return item;
+  }
+
+  const TunePlan& plan_;
+  const TuneFolder& folder_;
+  Progress& progress_;
+  WorkerOptions workers_;
+  std::vector<WorkResult> results_;
+};
+
+std::vector<Scene> scenes_of(const TunePlan& plan) {
+  std::vector<Scene> scenes;
+  for (const TuneVariant& one : plan.variants) scenes.push_back(one.scene);
+  return scenes;
+}
+
+bool stands_still(const CameraDescription& camera) {
+  return camera.position && camera.target;
+}
+
+/// Where the scene does not say, all variants are seen by one camera that frames the motion of all.
+void share_camera(const std::vector<VariantMeasures>& measures, std::vector<Scene>& scenes) {
+  Box box;
+  for (const VariantMeasures& one : measures) box.extend(one.box);
+  for (Scene& scene : scenes) {
+    const Camera camera = frame_camera(scene.camera, box, double(scene.render.width) / scene.render.height);
+    scene.camera.position = camera.position.cast<double>();
+    scene.camera.target = camera.target.cast<double>();
+  }
+}
+
+/// Of all variants but those that failed; motions that have been measured before are not read again.
+void measure_all(const std::vector<Scene>& scenes, const TunePlan& plan, const TuneFolder& folder, const Runner& runner,
+                 std::vector<VariantMeasures>& measures) {
+  measures.resize(scenes.size());
+  parallel_blocks(Eigen::Index(scenes.size()), 1, [&](Eigen::Index begin, Eigen::Index end) {
+    for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
+      if (!runner.is_fine(i) || stop_signal() != 0) continue;
+      const fs::path run = folder.run(plan.variants[i].variant.name);
+      if (measures[i].hexes == 0) measures[i] = measure(scenes[i], run);
+      if (const auto record = read_run_record(run / "run.json")) measures[i].wall_seconds = record->seconds();
+    }
+  });
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+TunePage describe(const TunePlan& plan, const std::vector<VariantMeasures>& measures, const Runner& runner) {
+  const Scene& scene = plan.variants.front().scene;
+  TunePage page;
+  std::vector<std::string> keys, varied;
+  std::vector<int> counts;
+  for (const Variation& variation : plan.variations) keys.push_back(variation.keys.front());
+  for (const Variation& variation : plan.variations) {
+    page.keys.push_back(short_key(variation.keys.front(), keys));
+    counts.push_back(int(variation.values.size()));
+    varied.push_back(fmt::format("{} = {}", variation.keys.front(), list_of(variation.values)));
+  }
+  page.title = fmt::format("{}: {} variants", plan.scene_name, plan.variants.size());
+  page.summary =
+      fmt::format("{}.{}", fmt::join(varied, "; "),
+                  plan.notes.empty() ? "" : " Preview: " + list_of(plan.notes) + "; --final for the scene as it is.");
+  page.made_by = fmt::format("Made by umax {} on {}.", version_text(), host_description());
+  page.columns = sheet_columns(int(plan.variants.size()), counts);
+  page.num_frames = scene.clip.frames;
+  page.substeps = scene.clip.substeps;
+  page.fps = scene.clip.fps;
+  page.worst_frame = worst_frame(measures);
+  page.width = scene.render.width;
+  page.height = scene.render.height;
+  for (std::size_t i = 0; i < plan.variants.size(); ++i) {
+    const TuneVariant& one = plan.variants[i];
+    page.variants.push_back({.name = one.variant.name,
+                             .label = one.variant.label,
+                             .snippet = one.snippet,
+                             .values = one.variant.values,
+                             .exit_code = runner.results()[i].exit_code,
+                             .failure = runner.results()[i].message,
+                             .measures = measures[i]});
+  }
+  return page;
+}
+
+std::string sheet_title(const TunePage& page) {
+  return fmt::format("{} at {:.2f} s (frame {}), where they are stretched most", page.title,
+                     (page.worst_frame - 1) / page.fps, page.worst_frame);
+}
+
+/// Sheet, clip and page of the variants that are whole. False when a signal stopped it.
+bool write_pages(TunePage page, const TuneFolder& folder, const std::string& library, Progress& progress) {
+  std::vector<ShownVariant> shown;
+  for (const PageVariant& variant : page.variants)
+    if (variant.exit_code == 0) shown.push_back({variant.label, folder.run(variant.name)});
+  folder.remove_pages();
+  write_sheet(folder.sheet(), shown, page.worst_frame, page.columns, sheet_title(page));
+  if (!write_mosaic(folder.clip(), shown, page.num_frames, page.columns, page.fps, progress)) return false;
+  fit_page_pictures(page.width, page.height, (long long)(shown.size()) * page.num_frames);
+  for (PageVariant& variant : page.variants)
+    if (variant.exit_code == 0)
+      variant.frames = page_frames(folder.run(variant.name), page.num_frames, page.width, page.height);
+  write_file(folder.record(), tune_record(page));
+  write_file(folder.page(), tune_page_html(page, library));
+  for (const fs::path& file : {folder.sheet(), folder.clip(), folder.page()}) progress.note(file.string());
+  return true;
+}
+
+int stopped(Progress& progress) {
+  progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", stop_signal()));
+  return 128 + stop_signal();
+}
+
+}  // namespace
+
+int do_tuning(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress) {
+  const std::string library = plotting_library();
+  Runner runner(plan, folder, options, threads, progress);
+  std::vector<Scene> scenes = scenes_of(plan);
+  std::vector<VariantMeasures> measures;
+  if (!std::all_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return stands_still(scene.camera); })) {
+    runner.run(scenes, Stage::simulate);
+    if (stop_signal() != 0) return stopped(progress);
+    measure_all(scenes, plan, folder, runner, measures);
+    share_camera(measures, scenes);
+  }
+  if (stop_signal() == 0) runner.run(scenes, Stage::pictures);
+  if (stop_signal() != 0) return stopped(progress);
+  measure_all(scenes, plan, folder, runner, measures);
+  if (stop_signal() != 0) return stopped(progress);
+
+  const auto failed = std::find_if(runner.results().begin(), runner.results().end(),
+                                   [](const WorkResult& result) { return result.exit_code != 0; });
+  const bool nothing_to_show = std::all_of(runner.results().begin(), runner.results().end(),
+                                           [](const WorkResult& result) { return result.exit_code != 0; });
+  if (!nothing_to_show && !write_pages(describe(plan, measures, runner), folder, library, progress))
+    return stopped(progress);
+  return failed == runner.results().end() ? 0 : failed->exit_code;
+}
+
+}  // namespace umax
