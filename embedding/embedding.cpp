@@ -144,6 +144,13 @@ void deform_positions(const Embedding& embedding, const std::vector<Polynomial>&
 
 }  // namespace
 
+VectorXi find_hexes(const Points& points, const Lattice& lattice) {
+  VectorXi hex;
+  Points local;
+  locate(points, lattice, hex, local);
+  return hex;
+}
+
 EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const char* what) {
   VectorXi hex;
   Points local;

@@ -20,6 +20,9 @@ struct Embedding {
   VertexFans fans;              // whose triangles make each vertex's normal
 };
 
+/// The hex that holds each point, the lowest on a shared face; -1: none.
+VectorXi find_hexes(const Points& points, const Lattice& lattice);
+
 /// Where each point lies in a lattice, regular or not; on a shared face the hex with the lowest index. Throws Error
 /// (bad_data) that names the first point outside the cage (and, of an irregular one, how far). `what` names the points
 /// in that message.

@@ -15,18 +15,13 @@ double determinant_at(const Matrix8x3d& nodes, const Vector3d& s) {
   return Matrix3d(nodes.transpose() * shape_gradients(s)).determinant();
 }
 
-// midpoint rule in the hex's own coordinates
-double filled_share(const Matrix8x3d& nodes, const SampledDistance& distance, int samples) {
+double filled_share(const Matrix8x3d& nodes, const SampledDistance& distance, int per_axis) {
+  const HexSamples samples = sample_hex(nodes, per_axis);
   double inside = 0, all = 0;
-  const auto coordinate = [&](int i) { return (2 * i + 1.0) / samples - 1; };
-  for (int i = 0; i < samples; ++i)
-    for (int j = 0; j < samples; ++j)
-      for (int k = 0; k < samples; ++k) {
-        const Vector3d s(coordinate(i), coordinate(j), coordinate(k));
-        const double weight = determinant_at(nodes, s);
-        all += weight;
-        if (signed_distance(distance, nodes.transpose() * shape_functions(s)).distance < 0) inside += weight;
-      }
+  for (Eigen::Index p = 0; p < samples.weights.size(); ++p) {
+    all += samples.weights[p];
+    if (signed_distance(distance, samples.points.row(p)).distance < 0) inside += samples.weights[p];
+  }
   return inside / all;
 }
 
@@ -37,6 +32,21 @@ VectorXd hex_volumes(const Lattice& lattice) {
   for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
     for (const Vector3d& s : quadrature_points()) volumes[e] += determinant_at(rest_nodes(lattice, e), s);
   return volumes;
+}
+
+HexSamples sample_hex(const Matrix8x3d& nodes, int per_axis) {
+  const Eigen::Index count = Eigen::Index(per_axis) * per_axis * per_axis;
+  HexSamples samples{Points(count, 3), VectorXd(count)};
+  const auto coordinate = [&](int i) { return (2 * i + 1.0) / per_axis - 1; };
+  Eigen::Index p = 0;
+  for (int i = 0; i < per_axis; ++i)
+    for (int j = 0; j < per_axis; ++j)
+      for (int k = 0; k < per_axis; ++k, ++p) {
+        const Vector3d s(coordinate(i), coordinate(j), coordinate(k));
+        samples.points.row(p) = (nodes.transpose() * shape_functions(s)).transpose();
+        samples.weights[p] = determinant_at(nodes, s);
+      }
+  return samples;
 }
 
 Lattice make_hex_cage(const TriangleMesh& surface, const Points& nodes, const Hexes& hexes,

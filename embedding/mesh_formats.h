@@ -18,8 +18,8 @@ MeshFile read_with_assimp(const std::filesystem::path& path, const std::string& 
 /// Returns the number of vertices that the file says it has, or -1 where the format does not say.
 long long check_promised_size(const std::filesystem::path& path, const std::string& ending);
 
-/// Throws Error: not_found (missing, a folder, not readable), bad_data (empty).
-void require_readable_file(const std::filesystem::path& path);
+/// Throws Error: not_found (missing, a folder, not readable), bad_data (empty). thing: what the file should be.
+void require_readable_file(const std::filesystem::path& path, const std::string& thing = "mesh file");
 
 /// "obj" of "a/b.OBJ".
 std::string lower_ending(const std::filesystem::path& path);

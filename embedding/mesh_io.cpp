@@ -57,16 +57,16 @@ std::string lower_ending(const std::filesystem::path& path) {
   return ending;
 }
 
-void require_readable_file(const std::filesystem::path& path) {
+void require_readable_file(const std::filesystem::path& path, const std::string& thing) {
   std::error_code error;
-  const auto refuse_input = [&](const char* what, const char* remedy) {
+  const auto refuse_input = [&](const std::string& what, const char* remedy) {
     throw Error(ExitCode::not_found, {path.string(), what, "", remedy});
   };
-  if (!std::filesystem::exists(path, error)) refuse_input("the mesh file does not exist", "check the path");
-  if (std::filesystem::is_directory(path, error)) refuse_input("is a folder, not a mesh file", "name a file in it");
-  if (!std::ifstream(path, std::ios::binary)) refuse_input("the mesh file cannot be read", "check its permissions");
+  if (!std::filesystem::exists(path, error)) refuse_input("the " + thing + " does not exist", "check the path");
+  if (std::filesystem::is_directory(path, error)) refuse_input("is a folder, not a " + thing, "name a file in it");
+  if (!std::ifstream(path, std::ios::binary)) refuse_input("the " + thing + " cannot be read", "check its permissions");
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) == 0)
-    refuse_mesh(path, "the mesh file is empty", "0 bytes", "export the mesh again");
+    refuse_mesh(path, "the " + thing + " is empty", "0 bytes", "export it again");
 }
 
 std::string read_whole_file(const std::filesystem::path& path) {

@@ -42,9 +42,11 @@ double box_height(const Points& positions) {
 
 }  // namespace
 
-void place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
-  if (mesh.num_vertices() == 0) return;
+Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
+  Eigen::Affine3d placed_from_own = Eigen::Affine3d::Identity();
+  if (mesh.num_vertices() == 0) return placed_from_own;
   const auto scale_by = [&](double factor) {
+    placed_from_own.prescale(factor);
     mesh.positions *= factor;
     if (riders) *riders *= factor;
   };
@@ -53,6 +55,7 @@ void place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
 
   const Matrix3d turn = rotation_from_degrees(placement.rotation_degrees) * y_up_from(placement.up.value_or("y"));
   if (turn != Matrix3d::Identity()) {
+    placed_from_own.prerotate(turn);
     mesh.positions = (mesh.positions * turn.transpose()).eval();
     if (mesh.normals.rows() > 0) mesh.normals = (mesh.normals * turn.transpose()).eval();
     if (riders) *riders = (*riders * turn.transpose()).eval();
@@ -70,9 +73,11 @@ void place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
   if (placement.position) {
     const Eigen::RowVector3d centre = 0.5 * (mesh.positions.colwise().minCoeff() + mesh.positions.colwise().maxCoeff());
     const Eigen::RowVector3d by = placement.position->transpose() - centre;
+    placed_from_own.pretranslate(by.transpose());
     mesh.positions.rowwise() += by;
     if (riders) riders->rowwise() += by;
   }
+  return placed_from_own;
 }
 
 }  // namespace umax

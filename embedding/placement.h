@@ -1,6 +1,7 @@
 // Where and how large a mesh stands in the scene.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,8 @@ struct Placement {
 
 /// Applies, in this order: unit, up axis to +Y, rotation, height or scale (about the world's origin), position. Turns
 /// normals along. Throws Error (bad_data) for values that are not positive, an unknown axis, or a height for a mesh
-/// that is flat. riders, when given, move along: points in the mesh's own units and axes.
-void place(TriangleMesh& mesh, const Placement& placement, Points* riders = nullptr);
+/// that is flat. riders, when given, move along: points in the mesh's own units and axes. Returns where a point of
+/// the mesh's own coordinates goes.
+Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* riders = nullptr);
 
 }  // namespace umax

@@ -180,8 +180,8 @@ double tick_step(double span, int num_ticks) {
 
 double place_on(const Legend& legend, double value) {
   if (!legend.logarithmic) return (value - legend.low) / (legend.high - legend.low);
-  const double low = std::log1p(legend.low);
-  return (std::log1p(value) - low) / (std::log1p(legend.high) - low);
+  const auto along = [&](double at) { return legend.low > 0 ? std::log(at) : std::log1p(at); };
+  return (along(value) - along(legend.low)) / (along(legend.high) - along(legend.low));
 }
 
 Vector3f color_on(const Legend& legend, double value) {
@@ -221,9 +221,10 @@ void draw_label(Image8& image, const std::string& text, float x, float y, const 
   cairo_t* cairo = canvas.get();
   const double letter = std::max(9.0, double(options.size) * image.height);
   cairo_set_font_size(cairo, letter);
-  const double left = double(x) * image.width, top = double(y) * image.height, pad = 0.45 * letter;
-  if (options.backed)
-    draw_plate(cairo, left, top, text_width(cairo, text) + 2 * pad, 1.25 * letter + pad, 0.3 * letter);
+  const double width = text_width(cairo, text) + (options.backed ? 0.9 * letter : 0);
+  const double left = double(x) * image.width - (options.centred ? 0.5 * width : 0), top = double(y) * image.height,
+               pad = 0.45 * letter;
+  if (options.backed) draw_plate(cairo, left, top, width, 1.25 * letter + pad, 0.3 * letter);
   const Vector3f& color = options.color;
   cairo_set_source_rgb(cairo, double(color[0]), double(color[1]), double(color[2]));
   write_text(cairo, text, left + (options.backed ? pad : 0), top + 0.95 * letter + (options.backed ? 0.5 * pad : 0));
@@ -259,6 +260,8 @@ Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, co
 Image8 present(const Image& linear, const RenderScene& scene, ToneCurve curve) {
   Image8 shown = tone_map(linear, {.curve = curve, .exposure_stops = scene.exposure_stops});
   if (scene.legend) draw_legend(shown, *scene.legend);
+  for (const Caption& caption : scene.captions)
+    draw_label(shown, caption.text, caption.x, caption.y, {.size = 0.045f, .centred = true});
   return shown;
 }
 

@@ -27,6 +27,7 @@ struct LabelOptions {
   float size = 0.04f;                   // [-] height of the letters, of the picture's height (at least 9 px)
   Vector3f color{0.95f, 0.95f, 0.95f};  // sRGB [0, 1]
   bool backed = true;                   // on a dark plate, readable on every picture
+  bool centred = false;                 // x is the middle
 };
 
 /// Writes one line of UTF-8 text; (x, y) in [0, 1] of width and height from the top left is where its upper left corner
@@ -45,7 +46,7 @@ struct SheetStyle {
 /// Pictures of one size in rows of `columns` with their labels below, on a dark sheet.
 Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, const SheetStyle& style = {});
 
-/// What the screen and the PNG get: the scene's exposure, the tone curve, and its legend.
+/// What the screen and the PNG get: the scene's exposure, the tone curve, its legend and captions.
 Image8 present(const Image& linear, const RenderScene& scene, ToneCurve curve = ToneCurve::filmic);
 
 }  // namespace umax

@@ -80,7 +80,13 @@ struct Legend {
   double low = 0, high = 1;
   bool ends_at_limit = false;  // high is a limit: the red of color_of_value() from there on, apart from the bar
   double slack = 0;            // [-] of the bar: so near its end a limit counts as reached
-  bool logarithmic = false;    // even in log(1 + value) instead of in value; low >= 0
+  bool logarithmic = false;    // even in log(value) or, from low = 0 on, in log(1 + value); low >= 0
+};
+
+/// Words over the picture; (x, y) in [0, 1] from the top left is the middle of their upper edge.
+struct Caption {
+  std::string text;
+  float x = 0.5f, y = 0.9f;
 };
 
 struct RenderScene {
@@ -91,6 +97,7 @@ struct RenderScene {
   Camera camera;
   std::optional<WireOverlay> wires;
   std::optional<Legend> legend;
+  std::vector<Caption> captions{};
   float exposure_stops = 0;  // applied when an 8-bit picture is made
 };
 

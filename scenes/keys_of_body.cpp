@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "embedding/hex_mesh_io.h"
+#include "scenes/map_keys.h"
 #include "scenes/mesh_keys.h"
 
 namespace umax {
@@ -206,6 +207,7 @@ template <class Keys>
 void add_material_keys(Keys& keys) {
   keys.add("material.young", TrackKind<NumberKind>{{units::pressure, {.low = 0, .high = 1e15, .low_open = true}}},
            UMAX_FIELD(material.young), "Young's modulus");
+  add_factor_map_keys(keys, "material.young_map", UMAX_FIELD(young_map), "Young's modulus");
   keys.add("material.poisson", NumberKind{units::ratio, {.low = -1, .high = 0.5, .low_open = true, .high_open = true}},
            UMAX_FIELD(material.poisson), "Poisson's ratio");
   keys.add("material.density", NumberKind{units::density, {.low = 0, .high = 1e9, .low_open = true}},
@@ -306,6 +308,8 @@ void add_all_limit_keys(Keys& keys) {
       [direction](const BodyDescription& body) {
         return std::optional(direction.write(body.part_limits.fibre_direction));
       });
+  add_direction_map_keys(keys, "limit.fibre.direction_map", UMAX_FIELD(fibre_map));
+  add_factor_map_keys(keys, "limit.map", UMAX_FIELD(limit_map), "the energy that the limit allows");
 }
 
 void read_contact(const SceneValue& value, BodyDescription&) {

@@ -161,6 +161,9 @@ SceneSection render_section() {
            UMAX_FIELD(heatmap),
            "energy: colours show U/U_max; multiplier: lambda/U_max, the times a limit stiffens a hex; stretch: by "
            "energy, in %");
+  keys.add("heatmap_top", NumberKind{units::ratio, positive}, UMAX_FIELD(heatmap_top),
+           "where the bar of multiplier and stretch (in %) ends; what is beyond has the end's colour",
+           {.unset = "the limit that all share, or the largest of the clip"});
   keys.add("wireframe", FlagKind(), UMAX_FIELD(wireframe), "draws the cage over the picture (osmesa)");
   keys.add("exr", FlagKind(), UMAX_FIELD(exr), "writes NNNN.exr beside NNNN.png");
   keys.add("backdrop", ColorKind{.bounded = false}, UMAX_FIELD(backdrop),

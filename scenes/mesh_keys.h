@@ -19,15 +19,18 @@ inline void read_mesh_path(const SceneValue& value, MeshSource& mesh) {
   mesh.sha256 = sha256_of_file(mesh.path);
 }
 
-/// Reads the SHA-256 that the mesh must have.
-inline void check_mesh_sha256(const SceneValue& value, const MeshSource& mesh) {
+/// Reads the SHA-256 that a file must have, "mesh" or "map", and compares it with what the file has.
+inline void check_sha256(const SceneValue& value, const std::string& thing, const std::filesystem::path& path,
+                         const std::string& sha256) {
   const std::string wanted = TextKind().read(value);
-  if (wanted != mesh.sha256) {
-    throw value_error(value,
-                      "the mesh " + mesh.path.string() +
-                          " is not the one that the scene was made with: its SHA-256 is " + mesh.sha256,
-                      "restore the mesh, or remove this key to accept the new one");
-  }
+  if (wanted == sha256) return;
+  throw value_error(
+      value,
+      "the " + thing + " " + path.string() + " is not the one that the scene was made with: its SHA-256 is " + sha256,
+      "restore the " + thing + ", or remove this key to accept the new one");
+}
+inline void check_mesh_sha256(const SceneValue& value, const MeshSource& mesh) {
+  check_sha256(value, "mesh", mesh.path, mesh.sha256);
 }
 
 /// mesh_of(thing): a pointer to its MeshSource, null while it has another shape. become_mesh(value, thing): makes it a

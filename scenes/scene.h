@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/step.h"
+#include "embedding/factor_map.h"
 #include "render/render_scene.h"
 
 namespace umax {
@@ -47,6 +48,19 @@ struct CageDescription {
   Clip clip = Clip::filled;  // of cells
 };
 
+/// Factors on one of a body's values, from a file or from the paint of its own mesh.
+struct MapSource {
+  bool own_paint = false;            // the colours of the body's own mesh
+  std::filesystem::path path;        // absolute: OpenVDB, or a mesh with vertex colours; else empty
+  std::string grid;                  // of an OpenVDB file; empty: its only float grid
+  std::optional<FactorRange> range;  // factors at 0 (black) and 1 (white); unset: FactorRange() for colours, and the
+                                     // numbers of a grid are the factors
+  std::string sha256;                // of the file, filled when the scene is read
+
+  bool is_set() const { return own_paint || !path.empty(); }
+  bool is_grid() const { return is_vdb_file(path); }
+};
+
 struct FixedBox {
   Vector3d min, max;
 };  // [m] world coordinates of the initial placed shape
@@ -66,6 +80,8 @@ struct BodyDescription {
   MaterialOptions material;
   EnergyLimitOptions limit;
   PartLimitOptions part_limits;
+  MapSource young_map, limit_map;
+  MapSource fibre_map;  // of directions
   std::vector<FixedBox> fixed;
   Look look;                           // texture is loaded by the program from texture_path
   std::filesystem::path texture_path;  // empty: the mesh file's own colour texture, if any
@@ -119,8 +135,9 @@ struct RenderDescription {
   bool denoise = true;  // feature-guided filter (embree)
   unsigned seed = 1;
   Heatmap heatmap = Heatmap::none;
-  bool wireframe = false;  // cage over the picture (osmesa)
-  bool exr = false;        // NNNN.exr beside NNNN.png
+  std::optional<double> heatmap_top;  // where the bar of multiplier and stretch ends, in its unit; unset: chosen
+  bool wireframe = false;             // cage over the picture (osmesa)
+  bool exr = false;                   // NNNN.exr beside NNNN.png
   Sky sky = GradientSky{};
   std::filesystem::path sky_path;  // HDR or EXR for an EnvironmentMap
   std::optional<Vector3f> backdrop;

@@ -13,6 +13,9 @@ using Box = Eigen::AlignedBox3d;  // [m]
 /// aspect (width / height), seen from the front, a little from the right and from above.
 Camera frame_camera(const CameraDescription& description, const Box& box, double aspect);
 
+/// A camera in the direction `back` (unit, from the target) whose picture the points #P x 3 [m] fill.
+Camera frame_points(const CameraDescription& description, const Points& points, double aspect, const Vector3d& back);
+
 /// A camera that has gone `turn` in [0, 1) of a circle around the box, starting from the front.
 Camera turntable_camera(const CameraDescription& description, const Box& box, double aspect, double turn);
 

@@ -12,7 +12,7 @@ namespace umax {
 namespace {
 
 constexpr std::string_view everywhere =
-    "run simulate render turntable drop inspect scenes presets reproduce tune fit compare help";
+    "run simulate render turntable strip drop inspect scenes presets reproduce tune fit compare help";
 constexpr std::string_view not_built[] = {"export"};
 
 /// An option with the verbs that take it and what help says of it.
@@ -101,31 +101,34 @@ class Grammar {
   }
 
   void add_run_options(Options& o) {
-    constexpr std::string_view runs = "run simulate render turntable drop", steps = "run simulate drop tune";
+    constexpr std::string_view runs = "run simulate render turntable strip drop", steps = "run simulate drop tune";
     constexpr std::string_view folders = "run simulate render turntable drop reproduce tune";
-    add("-o,--output", "DIR", o.output, "run simulate render turntable drop reproduce tune fit",
+    add("-o,--output", "DIR", o.output, "run simulate render turntable strip drop inspect reproduce tune fit",
         "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; tune, fit: "
-        "./NAME-tune, ./NAME-fit)");
-    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable drop inspect presets reproduce tune",
+        "./NAME-tune, ./NAME-fit); strip, inspect --map: the picture (./strip.png, ./NAME-limit-map.png)");
+    add("--set", "KEY=VALUE", o.settings, "run simulate render turntable strip drop inspect presets reproduce tune",
         "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable")
         ->allow_extra_args(false);
     add("--frames", "LIST", o.frames, runs, "only these frames, as in 1-40,50,60-90x2");
     add_flag("--resume", o.resume, folders, "go on with the folder's run where it stopped");
-    add_flag("--overwrite", o.overwrite, "run simulate render turntable drop reproduce tune fit",
-             "replace the run that the folder holds");
+    add_flag("--overwrite", o.overwrite, "run simulate render turntable strip drop inspect reproduce tune fit",
+             "replace the run that the folder holds; strip, inspect --map: the picture");
     add_flag("--strict", o.strict, steps, "end with exit code 75 when a step does not converge");
-    add_flag("--quick", o.quick, "run render turntable drop reproduce",
+    add_flag("--quick", o.quick, "run render turntable strip drop reproduce",
              "few samples and small pictures, for a first look");
   }
 
   void add_picture_options(Options& o) {
-    constexpr std::string_view pictures = "run render turntable drop tune";
+    constexpr std::string_view pictures = "run render turntable strip drop tune";
     add("--engine", "ENGINE", o.engine, pictures, "embree (path tracer) or osmesa (rasteriser)")
         ->check(CLI::IsMember({"embree", "osmesa"}));
-    add("--samples", "N", o.samples, "run render turntable drop reproduce tune", "paths per pixel of the path tracer")
+    add("--samples", "N", o.samples, "run render turntable strip drop reproduce tune",
+        "paths per pixel of the path tracer")
         ->check(CLI::Range(1, 1'000'000));
     add("--size", "WxH", o.size, pictures, "size of the pictures in pixels, as in 1280x720")->check(is_size, "WxH");
     add("--seed", "N", o.seed, pictures, "seed of the path tracer's noise")->check(CLI::Range(0LL, 4294967295LL));
+    add("--label", "TEXT", o.labels, "strip", "words below a thing in the strip; once for each, from left to right")
+        ->allow_extra_args(false);
     add("--still", "FRAME", o.still, "turntable", "the frame of the run that is circled (default: the last)")
         ->check(CLI::PositiveNumber);
   }
@@ -141,6 +144,9 @@ class Grammar {
         ->check(CLI::Range(0.0, 1.0));
     add("--report", "FILE", o.report, "compare", "write an HTML page with both pictures and their difference");
     add_flag("--json", o.json, "inspect", "print one JSON object");
+    add("--map", "limit|young", o.map, "inspect",
+        "draw the factors on the limit or on Young's modulus, as maps and files of hexes give them")
+        ->check(CLI::IsMember({"limit", "young"}));
   }
 
   void add_tune_options(Options& o) {
@@ -164,7 +170,7 @@ class Grammar {
   }
 
   void add_general_options(Options& o) {
-    constexpr std::string_view workers = "run simulate render turntable drop reproduce tune inspect compare";
+    constexpr std::string_view workers = "run simulate render turntable strip drop reproduce tune inspect compare";
     static const std::map<std::string, ProgressMode> modes{
         {"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}};
     add("--threads", "N", o.threads, workers, "number of threads (default: all cores); results do not depend on it")
@@ -172,7 +178,7 @@ class Grammar {
     CLI::Option* progress = app_.add_option("--progress", o.progress)->transform(CLI::CheckedTransformer(modes));
     entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce tune",
                         "auto (a bar on a terminal), plain (a line per frame) or json"});
-    add_flag("--quiet", o.quiet, "run simulate render turntable drop reproduce tune inspect fit compare",
+    add_flag("--quiet", o.quiet, "run simulate render turntable strip drop reproduce tune inspect fit compare",
              "say nothing but warnings and errors");
     add_flag("--verbose", o.verbose, workers, "say more; simulate prints a line per iteration");
     entries_.push_back({app_.add_flag("-h,--help", o.help), "-h, --help", everywhere, "this text"});

@@ -101,15 +101,16 @@ void extend(HeatRange& range, const Simulation& simulation, const State& state) 
 }
 
 std::optional<Legend> heat_legend(const Simulation& simulation, const HeatRange& range) {
+  const std::optional<double>& top = simulation.scene.render.heatmap_top;
   switch (simulation.scene.render.heatmap) {
     case Heatmap::none:
       break;
     case Heatmap::energy:
       return Legend{.title = "U / U_max", .ends_at_limit = true, .slack = simulation.options.solver.tolerance};
     case Heatmap::multiplier:
-      return Legend{.title = "lambda / U_max", .high = rounded_up(range.largest), .logarithmic = true};
+      return Legend{.title = "lambda / U_max", .high = top.value_or(rounded_up(range.largest)), .logarithmic = true};
     case Heatmap::stretch:
-      return stretch_legend(simulation, range);
+      return top ? Legend{.title = "stretch [%]", .high = *top} : stretch_legend(simulation, range);
   }
   return {};
 }

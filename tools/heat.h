@@ -31,8 +31,9 @@ void extend(HeatRange& range, const Simulation& simulation, const State& state);
 
 /// The bar for render.heatmap; none for "none". energy: 0 to the limit. multiplier: logarithmic, 0 to the largest,
 /// rounded up. stretch: 0 to the limit where all hexes have the same one at all times and it bounds the true energy,
-/// otherwise to the largest, rounded up (so it is with limits on parts or
-/// peaks, which this stretch does not measure). What is within the solver's tolerance of a limit counts as reached.
+/// otherwise to the largest, rounded up (so it is with limits on parts or peaks, which this stretch does not measure).
+/// render.heatmap_top ends the latter two where it says. What is within the solver's tolerance of a limit counts as
+/// reached.
 std::optional<Legend> heat_legend(const Simulation& simulation, const HeatRange& range);
 
 }  // namespace umax

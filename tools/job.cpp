@@ -209,6 +209,14 @@ std::vector<Override> scene_overrides(const Options& options) {
   return overrides;
 }
 
+void require_new_file(const std::filesystem::path& path, bool overwrite) {
+  std::error_code error;
+  if (!overwrite && std::filesystem::exists(path, error))
+    throw Error(
+        ExitCode::cannot_create,
+        {.where = path.string(), .what = "exists already", .remedy = "give another name with -o, or --overwrite"});
+}
+
 std::string single_input(const Options& options, const std::string& what) {
   if (options.inputs.size() == 1) return options.inputs.front();
   throw Error(ExitCode::usage,

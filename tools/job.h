@@ -34,6 +34,9 @@ int do_job(const Job& job, const Options& options);
 /// The options --engine, --samples, --size, --seed and --quick as settings of the scene, behind those of --set.
 std::vector<Override> scene_overrides(const Options& options);
 
+/// Throws Error (cannot_create) when a file is there that may not be overwritten.
+void require_new_file(const std::filesystem::path& path, bool overwrite);
+
 /// The only input; throws Error (usage) when there is none or more than one.
 std::string single_input(const Options& options, const std::string& what);
 

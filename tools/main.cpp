@@ -16,19 +16,14 @@ namespace {
 using umax::Options;
 
 int run_verb(const Options& options) {
-  static const std::map<std::string, int (*)(const Options&)> functions{{"run", umax::verb_run},
-                                                                        {"simulate", umax::verb_simulate},
-                                                                        {"render", umax::verb_render},
-                                                                        {"turntable", umax::verb_turntable},
-                                                                        {"drop", umax::verb_drop},
-                                                                        {"inspect", umax::verb_inspect},
-                                                                        {"scenes", umax::verb_scenes},
-                                                                        {"presets", umax::verb_presets},
-                                                                        {"reproduce", umax::verb_reproduce},
-                                                                        {"tune", umax::verb_tune},
-                                                                        {"fit", umax::verb_fit},
-                                                                        {"compare", umax::verb_compare},
-                                                                        {"help", umax::verb_help}};
+  static const std::map<std::string, int (*)(const Options&)> functions{
+      {"run", umax::verb_run},         {"simulate", umax::verb_simulate},
+      {"render", umax::verb_render},   {"turntable", umax::verb_turntable},
+      {"drop", umax::verb_drop},       {"strip", umax::verb_strip},
+      {"inspect", umax::verb_inspect}, {"scenes", umax::verb_scenes},
+      {"presets", umax::verb_presets}, {"reproduce", umax::verb_reproduce},
+      {"tune", umax::verb_tune},       {"fit", umax::verb_fit},
+      {"compare", umax::verb_compare}, {"help", umax::verb_help}};
   return functions.at(options.verb)(options);
 }
 

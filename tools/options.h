@@ -18,6 +18,7 @@ struct Options {
   std::optional<std::string> output;  // -o
   std::vector<std::string> settings;  // --set key=value
   std::optional<std::string> frames;  // --frames "1-40,50"
+  std::vector<std::string> labels;    // --label TEXT: strip, one for each thing in it
   std::optional<int> still;           // --still: the frame that turntable circles
   std::optional<int> threads;
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, json = false;
@@ -27,6 +28,8 @@ struct Options {
   std::optional<int> samples;
   std::optional<std::string> size;  // "1280x720"
   std::optional<long long> seed;
+
+  std::optional<std::string> map;  // inspect: "limit" | "young"
 
   std::optional<std::string> height;  // "1.8 m": drop, turntable, inspect: of the mesh
   std::optional<std::string> unit;    // "cm", or metres as a number

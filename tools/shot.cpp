@@ -132,6 +132,11 @@ Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& 
 }
 
 RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera) {
+  return make_shot(simulation, stage, state, camera, heat_values(simulation, state));
+}
+
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera,
+                      const VectorXd& values) {
   const RenderDescription& render = simulation.scene.render;
   RenderScene shot;
   shot.lights = stage.lights;
@@ -141,9 +146,8 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
   shot.exposure_stops = float(render.exposure_stops);
   shot.legend = stage.legend;
 
-  const VectorXd heat = heat_values(simulation, state);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
-    shot.objects.push_back(draw_body(simulation, i, state, heat, stage.legend));
+    shot.objects.push_back(draw_body(simulation, i, state, values, stage.legend));
   draw_obstacles(simulation, stage, state.time, shot);
   if (!stage.cage_edges.empty()) shot.wires = draw_cage(stage, state.positions);
   return shot;

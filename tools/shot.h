@@ -33,6 +33,10 @@ Box box_of(const Simulation& simulation, const Points& nodes);
 /// The renderers' scene at the state's time.
 RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera);
 
+/// The same with other values of all hexes than render.heatmap's, to be read from the stage's legend.
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera,
+                      const VectorXd& values);
+
 /// The rectangle that a scene's light is.
 AreaLight area_light(const LightDescription& light);
 

@@ -17,22 +17,12 @@
 #include "embedding/placement.h"
 #include "embedding/shapes.h"
 #include "render/image_io.h"
+#include "tools/body_maps.h"
 #include "tools/limit_report.h"
+#include "tools/named_error.h"
 
 namespace umax {
 namespace {
-
-/// Calls `work` and puts the thing's name in front of an error that it throws.
-template <class Work>
-auto named(const std::string& thing, Work work) {
-  try {
-    return work();
-  } catch (const Error& error) {
-    ErrorText text = error.text();
-    if (!text.where.starts_with(thing)) text.where = text.where.empty() ? thing : thing + ": " + text.where;
-    throw Error(error.exit_code(), text);
-  }
-}
 
 PlacedMesh read_hexes(const std::filesystem::path& path) {
   HexMesh hexes = load_hex_mesh(path);
@@ -101,6 +91,7 @@ void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacle
                                      .value = fmt::format("{} m", drop_height),
                                      .remedy = "add [obstacle.ground], or give position instead"});
   const double by = top + drop_height - lowest(mesh).y();
+  shape.world_from_file.pretranslate(Vector3d(0, by, 0));
   mesh.positions.col(1).array() += by;
   if (shape.hexes) shape.hexes->mesh.nodes.col(1).array() += by;
   tie_to_nodes(shape);
@@ -249,7 +240,7 @@ PlacedMesh place_body(const BodyDescription& body) {
                         .position = body.position};
     PlacedMesh shape = std::visit([&](const auto& source) { return read_shape(source, placement); }, body.source);
     if (const auto* cage = std::get_if<MeshSource>(&body.cage.size)) read_cage_mesh(*cage, shape);
-    place(shape.mesh, placement, shape.hexes ? &shape.hexes->mesh.nodes : nullptr);
+    shape.world_from_file = place(shape.mesh, placement, shape.hexes ? &shape.hexes->mesh.nodes : nullptr);
     tie_to_nodes(shape);
     if (shape.mesh.normals.rows() == 0) compute_normals(shape.mesh);
     return shape;
@@ -316,6 +307,7 @@ Simulation set_up(const Scene& scene) {
     for (const std::string& note : setup.cage.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
     setup.texture = read_texture(description, setup.shape, simulation.warnings);
     bodies.push_back(make_body(description, setup, needs_distance));
+    apply_maps(description, setup, bodies.back(), simulation.warnings);
   }
   simulation.model = make_model(bodies, obstacles);
   require_measurable(simulation.model, scene.solver.energy);

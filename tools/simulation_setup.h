@@ -1,12 +1,14 @@
 // From a scene to what can be simulated and drawn: meshes read and placed, cages built, surfaces embedded, model made.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "embedding/embedding.h"
+#include "embedding/factor_map.h"
 #include "embedding/hex_mesh_io.h"
 #include "embedding/mesh_report.h"
 #include "embedding/voxelize.h"
@@ -25,11 +27,19 @@ struct PlacedHexes {
 
 /// A body's shape, before it has a cage.
 struct PlacedMesh {
-  TriangleMesh mesh;                                // world coordinates at time 0 [m], with normals
-  std::filesystem::path texture;                    // colour texture; may be empty
-  std::vector<std::string> notes;                   // what the file's reader found
-  int num_parts = 1;                                // objects in the file
-  std::optional<PlacedHexes> hexes = std::nullopt;  // of the mesh file or of cage.mesh
+  TriangleMesh mesh;                                              // world coordinates at time 0 [m], with normals
+  std::filesystem::path texture;                                  // colour texture; may be empty
+  std::vector<std::string> notes;                                 // what the file's reader found
+  int num_parts = 1;                                              // objects in the file
+  std::optional<PlacedHexes> hexes = std::nullopt;                // of the mesh file or of cage.mesh
+  Eigen::Affine3d world_from_file = Eigen::Affine3d::Identity();  // from the mesh file's own coordinates [m]
+};
+
+/// A map as it acts on a body's hexes.
+struct BodyMap {
+  std::string key;     // "limit.map"
+  std::string source;  // its file, for messages
+  HexFactors hexes;
 };
 
 /// A body with what is needed to draw it. Its nodes and hexes are a range of the model's.
@@ -41,6 +51,7 @@ struct BodySetup {
   Embedding embedding;
   Eigen::Index first_node = 0, first_hex = 0;  // in the model
   std::shared_ptr<const Image> texture;        // linear; null: none
+  std::optional<BodyMap> young_map = std::nullopt, limit_map = std::nullopt;
 };
 
 struct ObstacleSetup {

@@ -27,14 +27,23 @@ const std::vector<VerbHelp>& verbs() {
        "pictures.\n\n"
        "  umax turntable bunny.ply --height \"20 cm\"\n"
        "  umax turntable falling --still 60\n"},
+      {"strip", "DIR…", "one picture of several instants or runs",
+       "Puts the bodies of several runs, or of several frames of a run, side by side on one ground into one picture, "
+       "with\n"
+       "the first run's camera direction, lights and heat map. Without --frames, the last frame of each.\n\n"
+       "  umax strip falling --frames 30,50,70,120 -o falling.png --size 1280x440\n"
+       "  umax strip soft stiff --frames 60 --label soft --label stiff --set render.heatmap=stretch\n"},
       {"drop", "MESH", "no scene file: voxelise, drop on the ground, run",
        "Puts the mesh into a cage of hexes, drops it on the ground from half its height, renders and encodes. "
        "Stiffness goes\n"
        "with the size, so that a large and a small body sag by the same share of their height.\n\n"
        "  umax drop bunny.ply --height \"20 cm\" --stretch 10%\n"},
       {"inspect", "MESH|SCENE|DIR", "sizes, cage, mass, limits, problems",
-       "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used.\n\n"
-       "  umax inspect bunny.ply --json\n"},
+       "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used. With "
+       "--map it\n"
+       "draws the factors of limit.map or material.young_map on the surface, from the front and from the back.\n\n"
+       "  umax inspect bunny.ply --json\n"
+       "  umax inspect figure --set body.figure.limit.map=mesh --map limit -o paint.png\n"},
       {"scenes", "", "lists the built-in scenes", "One line each: name, then a description.\n"},
       {"presets", "[NAME…]", "lists the materials that scenes can name",
        "One line each: name, then a description. With names it prints their keys, ready for a scene's [body.NAME], "

@@ -11,8 +11,11 @@
 #include "core/hexahedron.h"
 #include "core/material.h"
 #include "embedding/hex_cage.h"
+#include "render/image_io.h"
+#include "tools/body_maps.h"
 #include "tools/job.h"
 #include "tools/limit_report.h"
+#include "tools/map_picture.h"
 #include "tools/run_input.h"
 #include "tools/threads.h"
 #include "tools/verbs.h"
@@ -48,6 +51,7 @@ struct BodyReport {
   std::string inside_by;            // how inside was told from outside
   std::vector<LimitReport> limits;  // of hexes from a file: of one of the mean volume, without its factor
   std::optional<HexReport> hexes;   // of a file
+  std::vector<BodyMap> maps;
   std::vector<std::string> problems;
 };
 
@@ -107,6 +111,8 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   report.watertight = mesh.watertight;
   report.inside_by = setup.cage.method;
   report.limits = limit_reports(description, cell_volume);
+  for (const auto* map : {&setup.young_map, &setup.limit_map})
+    if (*map) report.maps.push_back(**map);
   for (const auto* list : {&mesh.problems, &setup.shape.notes, &setup.cage.notes})
     report.problems.insert(report.problems.end(), list->begin(), list->end());
   if (report.islands > 1)
@@ -159,6 +165,14 @@ void add_limit(const LimitReport& report, nlohmann::ordered_json& body) {
   limit["keys"].back()["time_s"] = report.time;
 }
 
+nlohmann::ordered_json to_json(const BodyMap& map) {
+  return {{"key", map.key},
+          {"source", map.source},
+          {"factor", {map.hexes.factors.minCoeff(), map.hexes.factors.maxCoeff()}},
+          {"hexes_outside", map.hexes.num_outside},
+          {"hexes_clamped", map.hexes.num_clamped}};
+}
+
 nlohmann::ordered_json to_json(const BodyReport& report) {
   nlohmann::ordered_json json;
   json["vertices"] = report.vertices;
@@ -178,6 +192,8 @@ nlohmann::ordered_json to_json(const BodyReport& report) {
   json["inside_by"] = report.inside_by;
   json["limit"] = nullptr;  // of the whole energy
   for (const LimitReport& limit : report.limits) add_limit(limit, json);
+  json["maps"] = nlohmann::ordered_json::array();
+  for (const BodyMap& map : report.maps) json["maps"].push_back(to_json(map));
   json["problems"] = report.problems;
   return json;
 }
@@ -221,6 +237,7 @@ void print_body(const BodyReport& report) {
   fmt::print("  stiffness  {:.4g} kPa\n", report.young / 1e3);
   for (const LimitReport& limit : report.limits) print_limit(limit, report.hexes ? "hex of the mean volume" : "hex");
   if (report.limits.empty()) fmt::print("  limit      none\n");
+  for (const BodyMap& map : report.maps) fmt::print("  map        {}: {}\n", map.key, describe(map));
   for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);
 }
 
@@ -253,7 +270,7 @@ Scene scene_of_input(const std::string& input, InputKind kind, const Options& op
 }
 
 void print_json(const std::string& input, InputKind kind, const Scene& scene, const std::vector<BodyReport>& reports,
-                const std::vector<std::string>& warnings) {
+                const std::vector<std::string>& warnings, const std::optional<std::filesystem::path>& picture) {
   nlohmann::ordered_json json;
   if (kind == InputKind::mesh) {
     json = to_json(reports.front());
@@ -264,7 +281,27 @@ void print_json(const std::string& input, InputKind kind, const Scene& scene, co
     json["problems"] = warnings;
     if (kind == InputKind::run) json["run"] = run_json(input);
   }
+  if (picture) json["map_picture"] = picture->string();
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+/// Where the picture of --map goes; nothing without --map.
+std::optional<std::filesystem::path> place_of_picture(const Scene& scene, const Options& options) {
+  if (!options.map) {
+    if (!options.output && !options.overwrite) return std::nullopt;
+    throw Error(ExitCode::usage, {.where = options.output ? "-o" : "--overwrite",
+                                  .what = "is for the picture of --map",
+                                  .remedy = "add --map limit or --map young"});
+  }
+  const std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
+  require_new_file(path, options.overwrite);
+  return path;
+}
+
+void draw_map(const Simulation& simulation, const Options& options, const std::filesystem::path& path) {
+  const bool limit = options.map == "limit";
+  write_png(path, map_picture(simulation, limit ? simulation.model.limit_factor : simulation.model.young_factor,
+                              limit ? "× limit" : "× stiffness", options.threads.value_or(0)));
 }
 
 }  // namespace
@@ -274,12 +311,14 @@ int verb_inspect(const Options& options) {
   const std::string input = single_input(options, "mesh, scene or folder of a run");
   const InputKind kind = kind_of_input(input);
   const Scene scene = scene_of_input(input, kind, options);
+  const auto picture = place_of_picture(scene, options);
   const Simulation simulation = set_up(scene);
+  if (picture) draw_map(simulation, options, *picture);
   std::vector<BodyReport> reports;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     reports.push_back(report_body(scene.bodies[i], simulation.bodies[i]));
   if (options.json) {
-    print_json(input, kind, scene, reports, simulation.warnings);
+    print_json(input, kind, scene, reports, simulation.warnings, picture);
     return 0;
   }
   if (kind != InputKind::mesh)
@@ -287,6 +326,7 @@ int verb_inspect(const Options& options) {
                scene.clip.substeps, scene.clip.substeps == 1 ? "" : "s");
   if (kind == InputKind::run) print_run(input);
   for (const BodyReport& report : reports) print_body(report);
+  if (picture) fmt::print("picture    {}\n", picture->string());
   return 0;
 }
 

@@ -9,6 +9,7 @@ int verb_run(const Options& options);
 int verb_simulate(const Options& options);
 int verb_render(const Options& options);
 int verb_turntable(const Options& options);
+int verb_strip(const Options& options);
 int verb_drop(const Options& options);
 int verb_inspect(const Options& options);
 int verb_scenes(const Options& options);

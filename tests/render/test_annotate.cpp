@@ -78,6 +78,31 @@ TEST_CASE("a logarithmic legend gives equal factors of 1 + value equal lengths")
   CHECK(num_of_color(image, 0.5) >= 8);
 }
 
+TEST_CASE("a logarithmic legend that does not begin at 0 gives equal factors of the value equal lengths") {
+  const Legend legend{.title = "factor", .low = 0.01, .high = 100, .logarithmic = true};
+  CHECK(place_on(legend, 0.01) == 0);
+  CHECK(place_on(legend, 1) == Approx(0.5));
+  CHECK(place_on(legend, 100) == Approx(1));
+}
+
+TEST_CASE("a centred label lies around its place, and captions are drawn with the picture") {
+  const auto middle_of = [](const Image8& image, std::uint8_t background) {
+    double sum = 0, count = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        if (image.pixel(x, y)[0] != background) sum += x, count += 1;
+    REQUIRE(count > 50);
+    return sum / count;
+  };
+  Image8 image = plain(320, 180, 128);
+  draw_label(image, "no limit", 0.5f, 0.1f, {.size = 0.1f, .centred = true});
+  CHECK(middle_of(image, 128) == Approx(160).margin(2));
+  RenderScene scene;
+  scene.captions = {{"5 %", 0.25f, 0.8f}};
+  const Image8 shown = present(Image(320, 180, 3), scene);
+  CHECK(middle_of(shown, shown.pixel(0, 0)[0]) == Approx(80).margin(2));
+}
+
 TEST_CASE("values beyond a bar are red only where it ends at a limit") {
   const Legend round{.title = "stretch [%]", .high = 25},
       limit{.title = "stretch [%]", .high = 25, .ends_at_limit = true};

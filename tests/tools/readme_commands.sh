@@ -69,6 +69,7 @@ while read -r line; do
       words+=("${small[@]}")
       [[ "$line" == *--frames* ]] || words+=(--frames 60)  # simulates up to 60, draws that one
       ;;
+    strip) words+=("${small[@]}") ;;
     turntable) words+=("${small[@]}" --frames 1-2) ;;
     tune) words+=(--size 32x18 --set clip.frames=8) ;;
     reproduce) words+=(corrections --quick) ;;  # the one experiment that takes no time

@@ -225,6 +225,19 @@ TEST_CASE("the bar of stretches ends at the limit that all hexes share, otherwis
   CHECK(bar(long_block("")).high == Approx(15));
 }
 
+TEST_CASE("render.heatmap_top ends the bar, whatever the range and the limit") {
+  for (const std::string map : {"stretch", "multiplier"}) {
+    const Simulation simulation =
+        simulation_of(long_block("limit.stretch = 0.2\n"), {map_is(map), "render.heatmap_top=40"});
+    HeatRange range;
+    extend(range, simulation, deformed(simulation.model, uniaxial(0.7)));
+    const Legend legend = heat_legend(simulation, range).value();
+    CHECK(legend.high == 40);
+    CHECK_FALSE(legend.ends_at_limit);
+    CHECK(color_on(legend, 80) == color_on(legend, 40));
+  }
+}
+
 TEST_CASE("the bar of multipliers is logarithmic and holds the largest of all states") {
   const Simulation simulation = simulation_of(long_block("limit.stretch = \"10 %\"\n"), {map_is("multiplier")});
   State calm = rest_state(simulation.model), busy = calm;
