@@ -79,8 +79,8 @@ TEST_CASE("a run that was killed goes on to the same states") {
 TEST_CASE("a run that is asked to stop keeps what is complete and says which signal it was") {
   const TemporaryFolder folder;
   const std::string scene = write_scene(folder, block_scene()).string(), run = (folder / "run").string();
-  const std::string stop_in_the_middle =
-      "\"$@\" & while ! [ -e " + run + "/states/0003.state ]; do sleep 0.02; done; kill -TERM $!; wait $!";
+  const std::string stop_in_the_middle = "\"$@\" & while kill -0 $! && ! [ -e " + run +
+                                         "/states/0003.state ]; do sleep 0.02; done; kill -TERM $!; wait $!";
   const Words simulate{UMAX_PROGRAM, "simulate", scene, "-o", run, "--set", "clip.frames=100000"};
   CHECK(run_process(Words{"bash", "-c", stop_in_the_middle, "bash"} + simulate).exit_code == 128 + 15);
   CHECK(file_text(folder / "run/run.json").find("\"exit_status\": 143") != std::string::npos);
