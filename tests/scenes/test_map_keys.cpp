@@ -57,7 +57,7 @@ TEST_CASE("the paint of the body's own mesh and no map are words", "[scenes]") {
   CHECK_FALSE(read_text(painted, {"body.ball.limit.map=none"}).bodies[0].limit_map.is_set());
 }
 
-TEST_CASE("--set reaches every part of a map, and drops what belonged to another file", "[scenes]") {
+TEST_CASE("a --set reaches every part of a map, and drops what belonged to another file", "[scenes]") {
   const auto paint = map_file("paint.ply"), grid = map_file("soft.vdb");
   const std::string resolved = resolved_toml(
       read_text(ball(keyed("limit.map", grid) + "limit.map_grid = \"density\"\nlimit.map_range = [2, 3]\n")));

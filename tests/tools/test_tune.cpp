@@ -49,7 +49,7 @@ std::map<std::string, fs::file_time_type> times_of(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("--vary lists values between commas that stand in no bracket and no quote", "[tune]") {
+TEST_CASE("a --vary lists values between commas that stand in no bracket and no quote", "[tune]") {
   const Variation plain = parse_variation("body.a.limit.stretch = 5 %, 10 %,20%");
   CHECK(plain.keys == Words{"body.a.limit.stretch"});
   CHECK(plain.values == Words{"5 %", "10 %", "20%"});
