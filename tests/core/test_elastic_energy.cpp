@@ -151,7 +151,7 @@ TEST_CASE("at rest and under pure stretch the exact hessian is what linear elast
   }
 }
 
-TEST_CASE("the exact gradient has neither net force nor torque; the warped force has a torque") {
+TEST_CASE("the exact gradient has neither net force nor torque, the warped force has a torque") {
   Random random(9);
   for (const Sample& sample : all_samples()) {
     const Matrix8x3d x = deformed(sample.shape.rest_nodes, random, 0.2);

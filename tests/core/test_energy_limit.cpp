@@ -90,7 +90,7 @@ TEST_CASE("the paper's energy depends on how the lattice lies: the same shear co
   CHECK(energy_ratio(shape, uniaxial({1, 1, 1})) == Approx(2 - (1 + poisson) * 2 / 3).epsilon(1e-12));
 }
 
-TEST_CASE("with the true energy the rotation-fixed and the warped jacobian are one; with the paper's they differ") {
+TEST_CASE("with the true energy the rotation-fixed and the warped jacobian are one, with the paper's they differ") {
   Random random(5);
   const HexShape shape = make_hex_shape(box_nodes(beam_cell), poisson);
   for (int i = 0; i < 20; ++i) {

@@ -78,7 +78,7 @@ TEST_CASE("quadrature knows the volume, material gradients and moments of a hex"
   CHECK(shape.volume == Approx(volume).epsilon(1e-13));
 }
 
-TEST_CASE("the rotation estimates reproduce affine maps; a tetrahedron's leaves the other nodes out") {
+TEST_CASE("the rotation estimates reproduce affine maps, a tetrahedron's leaves the other nodes out") {
   const HexShape shape = make_hex_shape(distorted_nodes(), 0.3);
   const Matrix3d A = Random(2).matrix(1);
   for (const RotationEstimate estimate : rotation_estimates) {

@@ -159,7 +159,7 @@ TEST_CASE("a grid is read in its own coordinates, wherever the body stands") {
     CHECK(found.factors[e] == Approx(field(centre_of(own, e))).epsilon(1e-6));
 }
 
-TEST_CASE("numbers beyond 0.01 and 1000 are clamped and counted; with a range, those beyond 0 and 1") {
+TEST_CASE("numbers beyond 0.01 and 1000 are clamped and counted, with a range, those beyond 0 and 1") {
   const auto field = [](const Vector3d& p) { return p.x() < -0.2 ? 0.0 : p.x() > 0.2 ? 5e6 : 0.25; };
   const VdbGrid grid = number_grid({.number = field, .voxel = 0.01, .first = {-45, -45, -45}, .last = {45, 45, 45}});
   const Lattice lattice = cube_lattice();

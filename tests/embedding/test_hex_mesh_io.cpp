@@ -96,7 +96,7 @@ TEST_CASE("VTK XML as text, base64 and appended, plain and compressed, of both b
                        true);
 }
 
-TEST_CASE("a VTU in two pieces is one mesh; cell data that one of them lacks are missed") {
+TEST_CASE("a VTU in two pieces is one mesh, cell data that one of them lacks are missed") {
   HexDocument low = document_of(make_irregular_lattice(make_box_lattice({1, 1, 1}, {0, 0, 0}, {1, 1, 1}).rest_positions,
                                                        make_box_lattice({1, 1, 1}, {0, 0, 0}, {1, 1, 1}).hexes));
   HexDocument high = low;

@@ -278,7 +278,7 @@ TEST_CASE("umax inspect --map draws the factors from both sides, and tells them"
   CHECK(exit_code_of({"inspect", scene, "-o", map_png}) == 2);
 }
 
-TEST_CASE("a run with a map goes on, is drawn and is repeated; another map file is refused") {
+TEST_CASE("a run with a map goes on, is drawn and is repeated, another map file is refused") {
   const TemporaryFolder folder;
   write_held_bar(folder);
   make_file(folder / "paint.ply", file_text(folder / "bar.ply"));

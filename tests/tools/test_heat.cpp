@@ -161,7 +161,7 @@ TEST_CASE("with limits on parts and peaks the energy map shows the one nearest t
       4));
 }
 
-TEST_CASE("the multiplier map shows the part that a hex is stiffened most in; a peak by all of its points") {
+TEST_CASE("the multiplier map shows the part that a hex is stiffened most in, a peak by all of its points") {
   const Simulation parts =
       simulation_of(long_block("limit.stretch = \"10 %\"\nlimit.fibre.stretch = \"5 %\"\n"), {map_is("multiplier")});
   State state = rest_state(parts.model);

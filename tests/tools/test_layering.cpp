@@ -151,3 +151,12 @@ TEST_CASE("every header says in its first line what it is for, and is included o
       CHECK(text.find("#pragma once") != std::string::npos);
     }
 }
+
+TEST_CASE("names of tests have no semicolon and do not begin like an option, or ctest would run none") {
+  static const std::regex name(R"re(TEST_CASE\(\s*"(-|[^"]*;))re");
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(UMAX_SOURCE_DIR) / "tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    CAPTURE(entry.path().string());
+    CHECK(!std::regex_search(file_text(entry.path()), name));
+  }
+}

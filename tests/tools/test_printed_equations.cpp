@@ -145,7 +145,7 @@ TEST_CASE("[PPO13] Eq. 19 is right: the damping force at the start cancels") {
   CHECK(relative_error(literal, undamped) > 0.3);  // damping does show
 }
 
-TEST_CASE("[PPO13] Eq. 21 with the total lambda holds loose limits only; adding to the last iterate holds all") {
+TEST_CASE("[PPO13] Eq. 21 with the total lambda holds loose limits only, adding to the last iterate holds all") {
   ThrownHex unlimited = throw_hex(1, 0);
   const Vector24d end =
       printed::in_hex_order(unlimited.model, unlimited.state.positions) +

@@ -67,7 +67,7 @@ TEST_CASE("a --vary that is none is wrong usage", "[tune]") {
   }
 }
 
-TEST_CASE("every combination is a variant with a name of its own; the last key runs fastest", "[tune]") {
+TEST_CASE("every combination is a variant with a name of its own, the last key runs fastest", "[tune]") {
   CHECK(names_of({"body.a.limit.stretch=5%,10 %", "body.a.material.young=1 kPa,2 kPa"}) ==
         Words{"stretch=5%,young=1kPa", "stretch=5%,young=2kPa", "stretch=10%,young=1kPa", "stretch=10%,young=2kPa"});
   // as much of the keys as tells them apart
@@ -143,7 +143,7 @@ TEST_CASE("a page's pictures shrink when there are too many, and keep their shap
   CHECK(double(width) / height == Approx(320.0 / 180).epsilon(0.03));
 }
 
-TEST_CASE("umax tune leaves a run of each variant, a sheet, a clip and a page; resumed it makes only what is missing",
+TEST_CASE("umax tune leaves a run of each variant, a sheet, a clip and a page, resumed it makes only what is missing",
           "[tune]") {
   const TemporaryFolder folder;
   REQUIRE(exit_code_of(tune_block(folder, two_limits)) == 0);
