@@ -4,28 +4,25 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
 #include "core/hexahedron.h"
 #include "embedding/distance_grid.h"
 #include "tests/embedding/meshes.h"
+#include "tests/embedding/vdb_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/distorted.h"
-#include "tests/support/vdb_files.h"
+#include "tests/support/failure.h"
 
 using namespace umax;
 using namespace umax::testing;
+using umax::test::contains;
+using umax::test::Failure;
+using umax::test::failure_of;
 using umax::test::VdbContent;
 
 namespace {
 
-std::filesystem::path vdb(const std::string& name, const std::vector<VdbContent>& grids) {
-  const auto path = std::filesystem::path(UMAX_TEST_OUTPUT) / "embedding" / name;
-  test::write_vdb(path, grids);
-  return path;
-}
-
 VdbGrid number_grid(const VdbContent& content) {
-  return VdbGrid(vdb("grid.vdb", {content}), "", VdbGrid::Kind::number);
+  return VdbGrid(vdb_file("grid.vdb", {content}), "", VdbGrid::Kind::number);
 }
 
 /// 4 x 4 x 4 hexes in [-0.4, 0.4]^3.
@@ -37,26 +34,6 @@ Vector3d centre_of(const Lattice& lattice, Eigen::Index hex) {
 }
 
 const Eigen::Affine3d as_it_is = Eigen::Affine3d::Identity();
-
-struct Refusal {
-  int code = 0;
-  std::string text;
-};
-template <class Call>
-Refusal refusal_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return {int(error.exit_code()), error.what()};
-  }
-  return {};
-}
-Refusal refusal_of_grid(const std::filesystem::path& path, const std::string& name = "") {
-  return refusal_of([&] { VdbGrid(path, name, VdbGrid::Kind::number); });
-}
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// The box [-0.4, 0.4]^3 in triangles, painted by color(position).
 template <class ColorAt>
@@ -183,8 +160,8 @@ TEST_CASE("a hex takes the direction that prevails in the grid, whatever the vec
     return Vector3d((parity ? -7 : 1) * Vector3d(-p.y(), p.x(), 0));
   };
   const VdbGrid grid(
-      vdb("around.vdb",
-          {{.name = "fibre", .direction = around, .voxel = 0.02, .first = {-22, -22, -22}, .last = {22, 22, 0}}}),
+      vdb_file("around.vdb",
+               {{.name = "fibre", .direction = around, .voxel = 0.02, .first = {-22, -22, -22}, .last = {22, 22, 0}}}),
       "", VdbGrid::Kind::direction);
   const Lattice lattice = make_box_lattice({4, 4, 4}, {0.1, 0.1, -0.4}, {0.07, 0.07, 0.2});
   const HexDirections found = directions_from_grid(grid, as_it_is, lattice, nullptr, {0, 3, 0});
@@ -216,67 +193,21 @@ TEST_CASE("a hex takes the direction that prevails in the grid, whatever the vec
     return p.x() < 0 ? Vector3d::Zero().eval() : Vector3d(int(std::lround(p.y() / 0.02)) & 1, 0, 0).eval();
   };
   const VdbGrid half(
-      vdb("half.vdb", {{.direction = undecided, .voxel = 0.02, .first = {-22, -22, -22}, .last = {22, 22, 22}}}), "",
-      VdbGrid::Kind::direction);
+      vdb_file("half.vdb", {{.direction = undecided, .voxel = 0.02, .first = {-22, -22, -22}, .last = {22, 22, 22}}}),
+      "", VdbGrid::Kind::direction);
   const HexDirections along_x = directions_from_grid(half, as_it_is, cube_lattice(), nullptr, {0, 0, 1});
   CHECK(along_x.num_outside == 32);
   CHECK(along_x.directions.row(0) == Eigen::RowVector3d(0, 0, 1));
   CHECK(along_x.directions.row(63).isApprox(Eigen::RowVector3d(1, 0, 0)));
 }
 
-TEST_CASE("a grid that cannot be meant is refused with what there is") {
-  const auto one = [](const Vector3d&) { return 1.0; };
-  const VdbContent soft{.name = "soft", .number = one}, hard{.name = "hard", .number = one},
-      flow{.name = "flow", .direction = [](const Vector3d&p) { return p; }}, ids{.name = "ids", .is_integer = true};
-  const auto two = vdb("two.vdb", {soft, hard, flow, ids});
-  CHECK(VdbGrid(two, "hard", VdbGrid::Kind::number).name() == "hard");
-  CHECK(VdbGrid(two, "", VdbGrid::Kind::direction).name() == "flow");
-
-  const Refusal several = refusal_of_grid(two), missing = refusal_of_grid(two, "harder"),
-                vector = refusal_of_grid(two, "flow"), integer = refusal_of_grid(two, "ids"),
-                none = refusal_of_grid(vdb("flow.vdb", {flow, ids}));
-  for (const Refusal& refusal : {several, missing, vector, integer, none}) CHECK(refusal.code == 65);
-  CHECK(contains(several.text, "has 2 float grids: which one is meant?; name one: \"hard\", \"soft\""));
-  CHECK(contains(missing.text, "has no grid of this name, got \"harder\"; its float grids are \"hard\", \"soft\""));
-  CHECK(contains(vector.text, "the grid \"flow\" is not of type float, got vec3s"));
-  CHECK(contains(integer.text, "the grid \"ids\" is not of type float, got int32"));
-  CHECK(
-      contains(none.text, "has no float grid; write one of this type; the file has \"flow\" (vec3s), \"ids\" (int32)"));
-
-  VdbContent empty = soft, distances = soft, negative = soft, broken = soft, far = soft;
-  empty.last = {-11, -11, -11};
-  distances.is_level_set = true;
-  negative.number = [](const Vector3d& p) { return p.x() > 0.48 ? -1.0 : 1.0; };
-  broken.number = [](const Vector3d& p) { return p.norm() < 0.01 ? std::numeric_limits<double>::quiet_NaN() : 1.0; };
-  far.first = {100, 100, 100};
-  far.last = {104, 104, 104};
-  CHECK(contains(refusal_of_grid(vdb("empty.vdb", {empty})).text, "the grid \"soft\" is empty"));
-  CHECK(contains(refusal_of_grid(vdb("distances.vdb", {distances})).text, "is a level set: it holds distances"));
-  CHECK(contains(refusal_of_grid(vdb("negative.vdb", {negative})).text,
-                 "has 441 active values that are not finite or negative, got first -1 at voxel [10, -10, -10]"));
-  CHECK(
-      contains(refusal_of_grid(vdb("broken.vdb", {broken})).text, "has 1 active value that is not finite or negative"));
-  const VdbGrid elsewhere(vdb("far.vdb", {far}), "", VdbGrid::Kind::number);
-  const Refusal away =
-      refusal_of([&] { factors_from_grid(elsewhere, as_it_is, cube_lattice(), nullptr, std::nullopt); });
+TEST_CASE("a grid that lies beside the body is refused with both boxes") {
+  const VdbGrid grid =
+      number_grid({.number = [](const Vector3d&) { return 1.0; }, .first = {100, 100, 100}, .last = {104, 104, 104}});
+  const Failure away = failure_of([&] { factors_from_grid(grid, as_it_is, cube_lattice(), nullptr, std::nullopt); });
   CHECK(away.code == 65);
-  CHECK(contains(away.text, "reaches no hex of the body, got a grid from (4.975, 4.975, 4.975) to (5.225"));
-  CHECK(contains(away.text, "a cage from (-0.4, -0.4, -0.4) to (0.4, 0.4, 0.4)"));
-}
-
-TEST_CASE("a damaged OpenVDB file is refused, wherever it ends") {
-  const auto path = vdb("whole.vdb", {{.number = [](const Vector3d& p) { return 1 + p.squaredNorm(); }}});
-  std::ifstream in(path, std::ios::binary);
-  const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  REQUIRE(whole.size() > 1000);
-  for (const double share : {0.0005, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.999}) {
-    const auto size = std::size_t(share * double(whole.size()));
-    CAPTURE(size);
-    const auto code = refusal_of_grid(write_file("part.vdb", whole.substr(0, size))).code;
-    CHECK(code == 65);
-  }
-  CHECK(refusal_of_grid(write_file("garbage.vdb", std::string(5000, 'x'))).code == 65);
-  CHECK(refusal_of_grid("no/such.vdb").code == 66);
+  CHECK(contains(away.message, "reaches no hex of the body, got a grid from (4.975, 4.975, 4.975) to (5.225"));
+  CHECK(contains(away.message, "a cage from (-0.4, -0.4, -0.4) to (0.4, 0.4, 0.4)"));
 }
 
 TEST_CASE("a hex takes the mean of the paint on its part of the surface, by area") {
@@ -377,9 +308,9 @@ TEST_CASE("paint that cannot be meant is refused") {
   negative.colors(3, 1) = -0.5;
   broken.colors(5, 2) = std::numeric_limits<double>::infinity();
   const auto text_of = [&](const TriangleMesh& mesh) {
-    const Refusal refusal = refusal_of([&] { factors_from_paint(mesh, plain, cube_lattice(), {}); });
+    const Failure refusal = failure_of([&] { factors_from_paint(mesh, plain, cube_lattice(), {}); });
     CHECK(refusal.code == 65);
-    return refusal.text;
+    return refusal.message;
   };
   CHECK(contains(text_of(plain), "the mesh has no vertex colours"));
   CHECK(contains(text_of(negative), " vertex colours are negative or not finite, the first is that of vertex 3"));

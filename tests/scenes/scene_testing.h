@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/failure.h"
 
 namespace umax::test {
 
@@ -19,29 +19,8 @@ inline Scene read_text(const std::string& text, const std::vector<std::string>& 
   return parse_scene({.text = text, .file = "test.toml"}, overrides);
 }
 
-/// The error that a scene gives; code is 0 if it gives none.
-struct Failure {
-  int code = 0;
-  std::string message, where, what, value, remedy;
-};
-
-template <class Function>
-Failure failure_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    const ErrorText& text = error.text();
-    return {int(error.exit_code()), error.what(), text.where, text.what, text.value, text.remedy};
-  }
-  return {};
-}
-
 inline Failure failure_of_text(const std::string& text, const std::vector<std::string>& sets = {}) {
   return failure_of([&] { read_text(text, sets); });
-}
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 /// A file in the test's own folder, with its parents.

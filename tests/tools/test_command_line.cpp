@@ -3,6 +3,7 @@
 #include "tools/options.h"
 
 using namespace umax;
+using umax::test::contains;
 
 namespace {
 
@@ -18,10 +19,6 @@ std::string message_of(const std::vector<const char*>& words) {
     return int(error.exit_code()) == 2 ? error.what() : "another exit code";
   }
   return "no error";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

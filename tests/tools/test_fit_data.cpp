@@ -11,6 +11,7 @@
 #include "tools/fit/measurements.h"
 
 using namespace umax;
+using umax::test::contains;
 
 namespace {
 
@@ -26,10 +27,6 @@ std::string complaint(const std::string& text, const MeasurementOptions& options
     return error.exit_code() == ExitCode::bad_data ? error.what() : "";
   }
   return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 const std::string good_rows = "1,10\n2,20\n3,30\n4,40\n5,50\n";

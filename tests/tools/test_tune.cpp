@@ -5,6 +5,7 @@
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
 #include "tests/tools/program.h"
+#include "tools/tune/measures.h"
 #include "tools/tune/preview.h"
 #include "tools/tune/snippet.h"
 #include "tools/tune/tune_page.h"
@@ -187,6 +188,16 @@ TEST_CASE("a variant that was made with other settings is made anew, the others 
   REQUIRE(exit_code_of(tune_block(folder, one + Words{"--overwrite"})) == 0);
   CHECK(states_of(folder / "out/runs/stretch=5%") == states);
   CHECK_FALSE(fs::exists(folder / "out/runs/stretch=10%"));
+}
+
+TEST_CASE("the worst frame is that of the largest sum, whichever variant failed", "[tune]") {
+  VariantMeasures failed, one, other;
+  one.stretch = {0, 0.3, 0.1};
+  other.stretch = {0, 0.1, 0.5};
+  CHECK(worst_frame({one, other}) == 3);
+  CHECK(worst_frame({failed, one}) == 2);
+  CHECK(worst_frame({one, failed}) == 2);
+  CHECK(worst_frame({failed}) == 1);
 }
 
 TEST_CASE("a variant that fails takes no other with it, and its exit code is the end's", "[tune]") {

@@ -112,7 +112,7 @@ Correction warped_force_row() {
       .corrected = "with U = ½ ∫ σ:ε it is that derivative: one vector",
       .measure = "|R K u − finite differences| / |finite differences|, R held: of Eq. 16's energy; of ½ σ:ε",
       .remark = "What the paper compares in sect. 6.2 are two energies, not two derivatives.",
-      .test = "with the true energy the rotation-fixed and the warped jacobian are one; with the paper's they differ"};
+      .test = "with the true energy the rotation-fixed and the warped jacobian are one, with the paper's they differ"};
   return measured(row, sample_hexes(), [](const SampleHex& hex) {
     const CorotatedHex now = corotated(hex, RotationEstimate::centre, hex.positions);
     const Vector24d warped = warped_gradient(hex.shape.stiffness, hex.young, now);

@@ -86,7 +86,7 @@ Correction restart_row(double share, const std::string& name) {
       .corrected = "v ← v + A⁻¹ Jᵀ λ: every iteration adds to the last",
       .measure = "U/U_max − 1 after a step of at most 100 iterations; U_max = " + name + " of what U would be without",
       .remark = "",
-      .test = "[PPO13] Eq. 21 with the total lambda holds loose limits only; adding to the last iterate holds all"};
+      .test = "[PPO13] Eq. 21 with the total lambda holds loose limits only, adding to the last iterate holds all"};
   const std::vector<SampleHex> samples = sample_hexes();
   double multiplier = 0;
   row = measured(row, samples, [&](const SampleHex& hex) {

@@ -75,7 +75,9 @@ VariantMeasures measure(const Scene& scene, const std::filesystem::path& run) {
 int worst_frame(const std::vector<VariantMeasures>& measures) {
   int worst = 1;
   double largest = -1;
-  for (std::size_t frame = 0; !measures.empty() && frame < measures.front().stretch.size(); ++frame) {
+  std::size_t frames = 0;  // a variant that failed has none
+  for (const VariantMeasures& variant : measures) frames = std::max(frames, variant.stretch.size());
+  for (std::size_t frame = 0; frame < frames; ++frame) {
     double sum = 0;
     for (const VariantMeasures& variant : measures) sum += frame < variant.stretch.size() ? variant.stretch[frame] : 0;
     if (sum > largest) {

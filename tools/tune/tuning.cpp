@@ -40,13 +40,14 @@ bool is_scene_of(const fs::path& run, const Scene& scene) {
   }
 }
 
-Found look_for(const Scene& scene, const fs::path& run) {
+/// is_ours: its states were made or found to be this scene's just now; only what it is seen by may have changed.
+Found look_for(const Scene& scene, const fs::path& run, bool is_ours) {
   Found found;
   const auto record = read_run_record(run / "run.json");
   std::error_code error;
   if (!record || !fs::exists(run / "scene.toml", error)) return found;
   const bool same_scene = is_scene_of(run, scene);
-  found.is_other = !same_scene && set_up(scene).digest != record->model_sha256;
+  found.is_other = !same_scene && !is_ours && set_up(scene).digest != record->model_sha256;
   if (found.is_other) return found;
   found.states = std::min(count_states(run), scene.clip.frames);
   if (same_scene) found.pictures = std::min(count_pictures(run), scene.clip.frames);
@@ -67,7 +68,11 @@ long long memory_of(const Scene& scene) {
 class Runner {
  public:
   Runner(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress)
-      : plan_(plan), folder_(folder), progress_(progress), results_(plan.variants.size()) {
+      : plan_(plan),
+        folder_(folder),
+        progress_(progress),
+        results_(plan.variants.size()),
+        is_ours_(plan.variants.size(), 0) {
     workers_ = {.threads = threads, .memory = available_memory(), .common_words = {}};
     if (options.strict) workers_.common_words.push_back("--strict");
   }
@@ -80,10 +85,11 @@ class Runner {
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       if (!is_fine(i)) continue;
-      if (const auto item = item_for(plan_.variants[i].variant.name, scenes[i], stage)) {
+      if (const auto item = item_for(plan_.variants[i].variant.name, scenes[i], stage, is_ours_[i])) {
         items.push_back(*item);
         indices.push_back(i);
       }
+      is_ours_[i] = 1;
     }
     if (items.empty()) return;
     progress_.note(fmt::format("{} of {} variants to {}, {} at a time", items.size(), scenes.size(),
@@ -93,9 +99,9 @@ class Runner {
   }
 
  private:
-  std::optional<WorkItem> item_for(const std::string& name, const Scene& scene, Stage stage) const {
+  std::optional<WorkItem> item_for(const std::string& name, const Scene& scene, Stage stage, bool is_ours) const {
     const fs::path run = folder_.run(name);
-    const Found found = look_for(scene, run);
+    const Found found = look_for(scene, run, is_ours);
     if (found.is_whole || (stage == Stage::simulate && found.states == scene.clip.frames)) return std::nullopt;
     if (found.is_other) progress_.note(name + ": was made with other settings, and is made anew");
     write_file(folder_.scene(name), resolved_toml(scene));
@@ -115,6 +121,7 @@ class Runner {
   Progress& progress_;
   WorkerOptions workers_;
   std::vector<WorkResult> results_;
+  std::vector<char> is_ours_;  // run() has seen to it before
 };
 
 std::vector<Scene> scenes_of(const TunePlan& plan) {
