@@ -10,29 +10,14 @@ namespace umax {
 namespace {
 
 constexpr double relative_penalty = 1e3;          // rho / U_max
-constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
 constexpr int max_inner_iterations = 12;          // factorisations between updates of the multipliers
 constexpr int max_backtracks = 25;
 constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
 constexpr double clear_violation = 0.01;      // of a limit, or of a penetration ten tolerances deep
 constexpr double falling = 0.95;              // by which share an update must reduce the violation
 constexpr int stalled_updates = 4;            // that did not
+constexpr double inner_accuracy = 1e-4;       // of the linear solver, where it is not direct
 constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradient
-
-double contact_penalty(const StepProblem& problem, const Contact& contact) {
-  const Model& model = *problem.model;
-  double mass = 0;
-  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
-  const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
-  return relative_contact_penalty * (stiffness + mass / (problem.h * problem.h));
-}
-
-// motion [m] of the contact point relative to the obstacle during the step
-Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
-  const Model& model = *problem.model;
-  return embedded_position(model, positions, contact.hex, contact.weights) -
-         embedded_position(model, problem.positions_t0, contact.hex, contact.weights) - contact.obstacle_motion;
-}
 
 Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
   Linearisation at;
@@ -93,9 +78,7 @@ bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
       return true;
 
     ++report.sqp_iterations;
-    report.factorisations += factorize(problem, at, iterate, workspace);
-    VectorXd step = -slope;
-    workspace.cholesky.solve(step);
+    VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
     step /= std::max(1.0, largest_move(*problem.model, step));  // no node further than one cell
 
     if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))

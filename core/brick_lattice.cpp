@@ -155,12 +155,6 @@ BrickLattice from_cell_bricks(const std::vector<CellBrick>& with_cells) {
   return lattice;
 }
 
-int slot_of(const BrickLattice& lattice, const Vector3i& point) {
-  const Place place = place_of(point);
-  const int brick = find_brick(lattice, {place[0], place[1], place[2]});
-  return (brick * brick_lines + line_of(point)) * brick_lanes + point[2] % brick_lanes;
-}
-
 }  // namespace
 
 int find_brick(const BrickLattice& lattice, const Vector3i& place) {
@@ -171,6 +165,12 @@ int find_brick(const BrickLattice& lattice, const Vector3i& place) {
   const auto found = std::lower_bound(lattice.bricks.begin() + 1, lattice.bricks.end(), wanted, before);
   const bool equal = found != lattice.bricks.end() && std::equal(wanted.begin(), wanted.end(), found->place);
   return equal ? int(found - lattice.bricks.begin()) : 0;
+}
+
+int slot_of(const BrickLattice& lattice, const Vector3i& point) {
+  const Place place = place_of(point);
+  const int brick = find_brick(lattice, {place[0], place[1], place[2]});
+  return (brick * brick_lines + line_of(point)) * brick_lanes + point[2] % brick_lanes;
 }
 
 BrickLattice make_brick_lattice(const Cells& cells, const Vector3d& cell_size) {

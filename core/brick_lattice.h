@@ -34,6 +34,9 @@ BrickLattice coarsen(const BrickLattice& fine, const Vector3i& factor);
 /// Index of the brick at a place, or 0.
 int find_brick(const BrickLattice& lattice, const Vector3i& place);
 
+/// Slot of a point, from first_cell; in brick 0 where its brick is not stored.
+int slot_of(const BrickLattice& lattice, const Vector3i& point);
+
 /// Slot of each cell, and of each node of hexes over these cells (Lattice's order).
 std::vector<int> cell_slots(const BrickLattice& lattice, const Cells& cells);
 std::vector<int> node_slots(const BrickLattice& lattice, const Cells& cells, const Hexes& hexes,

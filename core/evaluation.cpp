@@ -22,16 +22,11 @@ double max_norm(const Model& model, const VectorXd& nodal) {
 
 // natural map of the cone complementarity in units of force: 0 iff gap, force and sliding satisfy Signorini and Coulomb
 double cone_residual(const StepProblem& problem, const Points& positions, const Contact& contact) {
-  const Model& model = *problem.model;
-  double mass = 0;
-  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
-  const double stiffness = mass / (problem.h * problem.h);
+  const double stiffness = contact_mass(*problem.model, contact) / (problem.h * problem.h);
   const Vector3d force = contact.impulse / problem.h;
   const double normal_force = contact.normal.dot(force);
   const double normal = normal_force - std::max(0.0, normal_force - stiffness * contact.gap);
-  const Vector3d motion = embedded_position(model, positions, contact.hex, contact.weights) -
-                          embedded_position(model, problem.positions_t0, contact.hex, contact.weights) -
-                          contact.obstacle_motion;
+  const Vector3d motion = relative_motion(problem, positions, contact);
   const Vector3d sliding = motion - contact.normal.dot(motion) * contact.normal;
   const Vector3d tangential = force - normal_force * contact.normal;
   const Vector3d friction =

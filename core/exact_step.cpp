@@ -7,6 +7,7 @@
 #include "core/delassus.h"
 #include "core/gauss_seidel.h"
 #include "core/hex_limits.h"
+#include "core/multigrid_subproblem.h"
 #include "core/newton_system.h"
 
 namespace umax {
@@ -65,32 +66,30 @@ VectorXd solve_step(const StepProblem& problem, const SparseCholesky& cholesky, 
       cholesky.solve(push);
       step = free_step + push;
     }
-    const Points trial = iterate.positions + unflatten(step);
-    const std::size_t before = iterate.contacts.size();
-    if (add_contacts(problem.contact, trial, problem.joining_share, iterate.contacts) == 0) break;
-    std::vector<Contact> added(iterate.contacts.begin() + std::ptrdiff_t(before), iterate.contacts.end());
-    update_contacts(problem.contact, iterate.positions, added);  // the linearisation stands at the iterate
-    std::copy(added.begin(), added.end(), iterate.contacts.begin() + std::ptrdiff_t(before));
+    if (add_linearised_contacts(problem, step, iterate) == 0) break;
   }
   return step;
 }
 
-void update_multipliers(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+// G . step of the limits that are active [J]
+VectorXd limit_change(const StepProblem& problem, const Linearisation& at, const VectorXd& step,
+                      const Iterate& iterate) {
   const Model& model = *problem.model;
+  VectorXd change = VectorXd::Zero(problem.limits.size());
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+    if (at.limits[l].rank_one > 0)
+      for (int n = 0; n < 8; ++n)
+        change[l] += iterate.evaluation.limit_gradient(model, l).segment<3>(3 * n).dot(
+            step.segment<3>(3 * model.hexes(model.limits[l].hex, n)));
+  return change;
+}
+
+void update_multipliers(const StepProblem& problem, const VectorXd& change, Iterate& iterate) {
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
-    if (model.limits[l].kind != LimitKind::hard) continue;
+    if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const double limit = problem.limits[l], ratio = iterate.evaluation.energy[l] / limit;
     const double t = iterate.multipliers[l] + relative_penalty * limit * (ratio - 1);
-    double& multiplier = iterate.multipliers[l];
-    if (t <= 0) {
-      multiplier = 0;
-      continue;
-    }
-    double change = 0;  // G . dx
-    for (int n = 0; n < 8; ++n)
-      change += iterate.evaluation.limit_gradient(model, l).segment<3>(3 * n).dot(
-          step.segment<3>(3 * model.hexes(model.limits[l].hex, n)));
-    multiplier = std::max(0.0, t + relative_penalty * change);
+    iterate.multipliers[l] = t <= 0 ? 0 : std::max(0.0, t + relative_penalty * change[l]);
   }
 }
 
@@ -115,6 +114,7 @@ std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate&
 bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
                           StepReport& report) {
   const Model& model = *problem.model;
+  const bool multigrid = uses_multigrid(model, problem.options->solver);
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     if (report.sqp_iterations < normal_updates)
@@ -129,12 +129,18 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
     ++report.sqp_iterations;
     const Linearisation at{limit_terms(problem, iterate, relative_penalty), {}};  // contacts are solved for apart
-    report.factorisations += factorize(problem, at, iterate, workspace);
-    VectorXd step = solve_step(problem, workspace.cholesky, gradient(problem, iterate, at), iterate, report);
-    iterate.last_move = largest_move(model, step);
-    step /= std::max(1.0, iterate.last_move);  // no node further than one cell
-    update_multipliers(problem, step, iterate);
-    iterate.positions += unflatten(step);
+    NewtonStep newton;
+    if (multigrid) {
+      newton = minimise_subproblem(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
+    } else {
+      report.factorisations += factorize(problem, at, iterate, workspace);
+      newton.step = solve_step(problem, workspace.cholesky, gradient(problem, iterate, at), iterate, report);
+      newton.limit_change = limit_change(problem, at, newton.step, iterate);
+    }
+    iterate.last_move = largest_move(model, newton.step);
+    const double share = 1 / std::max(1.0, iterate.last_move);  // no node further than one cell
+    update_multipliers(problem, share * newton.limit_change, iterate);
+    iterate.positions += share * unflatten(newton.step);
   }
 }
 
@@ -143,8 +149,11 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
 StepStatus solve(const StepProblem& problem, Workspace::Data& workspace, const State& state, Iterate& iterate,
                  StepReport& report) {
   iterate = predict(problem, state);
-  eliminate_last(*problem.model, nodes_near_obstacles(problem, iterate), workspace);
+  const bool multigrid = uses_multigrid(*problem.model, problem.options->solver);
+  if (!multigrid) eliminate_last(*problem.model, nodes_near_obstacles(problem, iterate), workspace);
   if (sequential_quadratic(problem, workspace, iterate, report)) return StepStatus::converged;
+  // without a factor to fall back on, two halves of the step are cheaper than the safety net
+  if (multigrid && !problem.last_attempt) return StepStatus::iteration_limit;
   iterate = predict(problem, state);
   const Search search = augmented_lagrangian(problem, workspace, iterate, report);
   if (search == Search::solved) return StepStatus::converged;

@@ -30,33 +30,34 @@ Vector3d project_to_disc(const Vector3d& tangential, double radius) {
   return length <= radius ? tangential : Vector3d(tangential * (radius / length));
 }
 
+ContactBlock make_contact_block(const Matrix3d& W, const Vector3d& normal) {
+  return {W, normal.dot(W * normal), tangential_stiffness(W, normal)};
+}
+
+Vector3d relaxed_force(const ContactRow& contact, const ContactBlock& block, const Vector3d& w, const Vector3d& force) {
+  const Vector3d n = contact.normal;
+  const double old_normal = n.dot(force);
+  const double normal = std::max(0.0, old_normal - (n.dot(w) + contact.bias) / block.normal_stiffness);
+  const Vector3d velocity = w + block.W * n * (normal - old_normal);
+  const Vector3d old_tangential = force - old_normal * n;
+  const Vector3d sliding = velocity - n.dot(velocity) * n;
+  return normal * n + project_to_disc(old_tangential - sliding / block.friction_stiffness, contact.friction * normal);
+}
+
 GaussSeidelResult gauss_seidel(const ComplementarityProblem& problem, const GaussSeidelOptions& options, VectorXd& z) {
   const int num_contacts = int(problem.contacts.size()), first_limit = 3 * num_contacts;
   VectorXd w = problem.W * z + problem.q;
-  std::vector<double> normal_stiffness(num_contacts), friction_stiffness(num_contacts);
-  for (int i = 0; i < num_contacts; ++i) {
-    const Matrix3d W = problem.W.block<3, 3>(3 * i, 3 * i);
-    normal_stiffness[i] = problem.contacts[i].normal.dot(W * problem.contacts[i].normal);
-    friction_stiffness[i] = tangential_stiffness(W, problem.contacts[i].normal);
-  }
+  std::vector<ContactBlock> blocks(num_contacts);
+  for (int i = 0; i < num_contacts; ++i)
+    blocks[i] = make_contact_block(problem.W.block<3, 3>(3 * i, 3 * i), problem.contacts[i].normal);
 
   GaussSeidelResult result;
   while (!result.converged && result.sweeps < options.max_sweeps) {
     ++result.sweeps;
     LargestChange contact_change, limit_change;
     for (int i = 0; i < num_contacts; ++i) {
-      const ContactRow& contact = problem.contacts[i];
-      const Vector3d n = contact.normal, old = z.segment<3>(3 * i);
-      const double old_normal = n.dot(old);
-      // normal impulse first, then friction within the new cone
-      const double normal =
-          std::max(0.0, old_normal - (n.dot(w.segment<3>(3 * i)) + contact.bias) / normal_stiffness[i]);
-      const Vector3d velocity = w.segment<3>(3 * i) + problem.W.block<3, 3>(3 * i, 3 * i) * n * (normal - old_normal);
-      const Vector3d old_tangential = old - old_normal * n;
-      const Vector3d sliding = velocity - n.dot(velocity) * n;
-      const Vector3d tangential =
-          project_to_disc(old_tangential - sliding / friction_stiffness[i], contact.friction * normal);
-      const Vector3d change = normal * n + tangential - old;
+      const Vector3d old = z.segment<3>(3 * i);
+      const Vector3d change = relaxed_force(problem.contacts[i], blocks[i], w.segment<3>(3 * i), old) - old;
       if (change.squaredNorm() > 0) {
         z.segment<3>(3 * i) += change;
         w.noalias() += problem.W.middleCols<3>(3 * i) * change;

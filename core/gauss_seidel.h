@@ -37,6 +37,16 @@ struct GaussSeidelResult {
 /// Improves z in place from its start value (warm start; 0 is always admissible).
 GaussSeidelResult gauss_seidel(const ComplementarityProblem& problem, const GaussSeidelOptions& options, VectorXd& z);
 
+/// A contact's own part of W, and by how much its force is changed for a motion.
+struct ContactBlock {
+  Matrix3d W = Matrix3d::Zero();
+  double normal_stiffness = 0, friction_stiffness = 0;
+};
+ContactBlock make_contact_block(const Matrix3d& W, const Vector3d& normal);
+
+/// The contact's next force: the normal one first, then friction within the new cone. w: its motion with `force`.
+Vector3d relaxed_force(const ContactRow& contact, const ContactBlock& block, const Vector3d& w, const Vector3d& force);
+
 /// Nearest point of the disc |t| <= radius in the plane across the normal.
 Vector3d project_to_disc(const Vector3d& tangential, double radius);
 

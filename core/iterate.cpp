@@ -65,6 +65,16 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
   return iterate;
 }
 
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+  const auto before = std::ptrdiff_t(iterate.contacts.size());
+  const int count =
+      add_contacts(problem.contact, iterate.positions + unflatten(step), problem.joining_share, iterate.contacts);
+  std::vector<Contact> added(iterate.contacts.begin() + before, iterate.contacts.end());
+  update_contacts(problem.contact, iterate.positions, added);
+  std::copy(added.begin(), added.end(), iterate.contacts.begin() + before);
+  return count;
+}
+
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
   VectorXd factors(problem.limits.size());
   for (Eigen::Index l = 0; l < factors.size(); ++l)

@@ -31,6 +31,9 @@ Iterate predict(const StepProblem& problem, const State& state);
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
 Iterate predict_undeformed(const StepProblem& problem, const State& state);
 
+/// Vertices that a step would push in too deep join the contacts, as they are at the iterate. Returns their number.
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate);
+
 /// lambda/U_max, or the barrier's slope: #L factors [-] on G in the gradient of the Lagrangian.
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate);
 

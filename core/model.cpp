@@ -94,6 +94,8 @@ void append(const Body& body, Model& model) {
   range.part_limits = body.part_limits;
   range.friction = body.friction;
   range.cell_size = smallest_edge(body.lattice);
+  range.cells = body.lattice.cells;
+  range.cell_edges = body.lattice.cell_size;
   range.rest_distance = body.rest_distance;
   model.bodies.push_back(range);
 

@@ -94,7 +94,9 @@ struct Model {
     EnergyLimitOptions limit;
     PartLimitOptions part_limits;
     double friction = 0;
-    double cell_size = 0;  // [m] smallest edge of its hexes: the unit of contact tolerances
+    double cell_size = 0;          // [m] smallest edge of its hexes: the unit of contact tolerances
+    Cells cells;                   // #E of the body x 3 grid coordinates; empty: an irregular mesh
+    Vector3d cell_edges{0, 0, 0};  // [m] of a regular lattice
     std::shared_ptr<const SampledDistance> rest_distance;
   };
   std::vector<BodyRange> bodies;

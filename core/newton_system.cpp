@@ -1,9 +1,13 @@
 #include "core/newton_system.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace umax {
 namespace {
+
+constexpr Eigen::Index multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
+constexpr double negligible_direction = 1e-9;   // share of a contact's stiffness
 
 enum class Elasticity {
   exact,     // the Hessian as it is: may be indefinite
@@ -87,7 +91,76 @@ std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate&
   return in_hex;
 }
 
+// The contact's stiffness as terms g g^T, one for each direction that it has; their offsets are what the contact pushes
+// beyond the force that is known.
+void append_contact_terms(const Contact& contact, const ContactTerms& at, const Vector3d& known,
+                          std::vector<HexTerm>& terms) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(at.stiffness);
+  for (int i = 0; i < 3; ++i) {
+    const double stiffness = eigen.eigenvalues()[i];
+    if (!(stiffness > negligible_direction * eigen.eigenvalues()[2])) continue;
+    const Vector3d direction = eigen.eigenvectors().col(i);
+    HexTerm term;
+    term.hex = contact.hex;
+    for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = contact.weights[n] * std::sqrt(stiffness) * direction;
+    term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
+    terms.push_back(term);
+  }
+}
+
+// The limit's rank-one term; its offset is what the limit pushes beyond its multiplier.
+HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const LimitTerms& at, Eigen::Index l) {
+  const Model& model = *problem.model;
+  const double known = model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.limits[l] : 0;
+  const double root = std::sqrt(at.rank_one);
+  return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
+}
+
 }  // namespace
+
+bool uses_multigrid(const Model& model, const SolverOptions& solver) {
+  if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
+  return model.num_hexes() >= multigrid_hexes && suits_multigrid(model, solver);
+}
+
+void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
+                      Workspace::Data& workspace) {
+  const Model& model = *problem.model;
+  VectorXd stiffening = VectorXd::Zero(model.num_hexes());
+  std::vector<HexTerm> terms;
+  for (std::size_t l = 0; l < at.limits.size(); ++l) {
+    stiffening[model.limits[l].hex] += at.limits[l].stiffening;
+    if (at.limits[l].rank_one > 0) terms.push_back(limit_term(problem, iterate, at.limits[l], Eigen::Index(l)));
+  }
+  for (std::size_t i = 0; i < at.contacts.size(); ++i)
+    append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].impulse / problem.h, terms);
+  if (!workspace.multigrid) workspace.multigrid = make_multigrid_system(model);
+  set_up(problem, iterate.positions, stiffening, terms, *workspace.multigrid);
+}
+
+NewtonStep solve_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
+                           bool with_offsets, double accuracy, Workspace::Data& workspace, StepReport& report) {
+  LinearSolution solution = solve(*problem.model, -slope, with_offsets, {.tolerance = accuracy}, *workspace.multigrid);
+  report.linear_iterations += solution.iterations;
+  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size()))};
+  Eigen::Index term = 0;
+  for (std::size_t l = 0; l < at.limits.size(); ++l)
+    if (at.limits[l].rank_one > 0)
+      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
+  return newton;
+}
+
+VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
+                     Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
+  if (uses_multigrid(*problem.model, problem.options->solver)) {
+    set_up_multigrid(problem, at, iterate, workspace);
+    return solve_multigrid(problem, at, slope, true, accuracy, workspace, report).step;
+  }
+  report.factorisations += factorize(problem, at, iterate, workspace);
+  VectorXd step = -slope;
+  workspace.cholesky.solve(step);
+  return step;
+}
 
 std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty) {
   std::vector<LimitTerms> terms(problem.limits.size());
@@ -104,15 +177,16 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
   const double h = problem.h;
   const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();
   const std::vector<std::vector<int>> in_hex = contacts_by_hex(*problem.model, iterate, at);
+  SystemMatrix& matrix = direct_matrix(*problem.model, workspace);
   const auto try_with = [&](Elasticity elasticity) {
-    reset(workspace.matrix);
-    add_mass(mass, 1, workspace.matrix);
-    add_elements(workspace.matrix, [&](Eigen::Index e, Matrix24d& element) {
+    reset(matrix);
+    add_mass(mass, 1, matrix);
+    add_elements(matrix, [&](Eigen::Index e, Matrix24d& element) {
       element_matrix(problem, iterate.evaluation, at.limits, e, elasticity, element);
       if (!in_hex.empty())
         for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
     });
-    return workspace.cholesky.factorize(workspace.matrix);
+    return workspace.cholesky.factorize(matrix);
   };
   if (!iterate.indefinite && try_with(Elasticity::exact)) return 1;
   const int attempts = iterate.indefinite ? 1 : 2;

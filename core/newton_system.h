@@ -23,6 +23,28 @@ std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& i
 /// hexes that are not so by themselves: from then on that is what is tried. Returns the number of factorisations.
 int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace);
 
+/// The multigrid's counterpart, with warped stiffness.
+void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
+                      Workspace::Data& workspace);
+
+/// A Newton step, and what the solver tells of limits.
+struct NewtonStep {
+  VectorXd step;          // 3 #N [m]
+  VectorXd limit_change;  // #L [J] G . step of limits with a rank-one term, 0 of others
+};
+
+/// -A^-1 slope to `accuracy` [-] with the matrix that set_up_multigrid() saw. with_offsets: the slope holds what limits
+/// and contacts push at the iterate.
+NewtonStep solve_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
+                           bool with_offsets, double accuracy, Workspace::Data& workspace, StepReport& report);
+
+/// -A^-1 slope with the linear solver that is chosen for the model. Work is added to the report.
+VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
+                     Iterate& iterate, Workspace::Data& workspace, StepReport& report);
+
+/// Is solver.linear multigrid, or is that faster for the model?
+bool uses_multigrid(const Model& model, const SolverOptions& solver);
+
 /// Gradient [N] of inertia, damping, elasticity, gravity, limits and contacts: 3 #N, fixed nodes zero.
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at);
 

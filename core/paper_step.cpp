@@ -245,8 +245,9 @@ bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky
 StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, State& state) {
   const Model& model = *problem.model;
   StepReport report;
-  VectorXd elastic_impulse = assemble(problem, workspace.matrix);
-  workspace.cholesky.factorize(workspace.matrix);
+  SystemMatrix& matrix = direct_matrix(*problem.model, workspace);
+  VectorXd elastic_impulse = assemble(problem, matrix);
+  workspace.cholesky.factorize(matrix);
   report.factorisations = 1;
 
   PaperIterate iterate;

@@ -53,11 +53,12 @@ StepReport joined(const StepReport& first, const StepReport& second) {
 // one solve over options.time_step; where it does not converge, two of half the size, and so on
 StepReport advance(const Model& model, const StepOptions& options, Workspace::Data& data, State& state, int halvings) {
   const State start = state;
-  const StepProblem problem = begin_step(model, options, data.contact_geometry, state);
+  StepProblem problem = begin_step(model, options, data.contact_geometry, state);
   const bool exact = options.solver.method == SolverMethod::exact;
+  problem.last_attempt = halvings == 0 || !start.been_feasible;
   StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
-  const bool retry = exact && report.status == StepStatus::iteration_limit && halvings > 0 && start.been_feasible;
+  const bool retry = exact && report.status == StepStatus::iteration_limit && !problem.last_attempt;
   if (!retry) return report;
 
   state = start;
@@ -76,9 +77,15 @@ StepReport advance(const Model& model, const StepOptions& options, Workspace::Da
 }  // namespace
 
 Workspace::Workspace(const Model& model)
-    : data_(new Data{make_contact_geometry(model), make_system_matrix(model), SparseCholesky()}) {}
+    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
+
+SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace) {
+  if (!workspace.matrix) workspace.matrix = make_system_matrix(model);
+  return *workspace.matrix;
+}
+
 void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace) {
-  if (nodes == workspace.matrix.last) return;
+  if (workspace.matrix && nodes == workspace.matrix->last) return;
   workspace.matrix = make_system_matrix(model, nodes);
   workspace.cholesky = SparseCholesky();
 }
@@ -88,6 +95,7 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
+  require_solvable(model, options.solver);
   const double time_t1 = state.time + options.time_step;
   StepReport report = advance(model, options, workspace.data(), state, options.solver.max_halvings);
   state.time = time_t1;

@@ -14,8 +14,16 @@ enum class SolverMethod {
   paper,  // [PPO13] Sect. 5 in its accumulating form: limits and contacts in one projected Gauss-Seidel
 };
 
+// Of the exact method's linear systems.
+enum class LinearSolver {
+  automatic,  // what is faster for the model
+  direct,     // sparse Cholesky: any hexes; time and memory grow faster than their number
+  multigrid,  // matrix-free: regular lattices; time and memory in proportion to their number
+};
+
 struct SolverOptions {
   SolverMethod method = SolverMethod::exact;
+  LinearSolver linear = LinearSolver::automatic;
   double tolerance = 1e-3;  // [-] bound on U/U_max - 1 at the end of a step
   EnergyMeasure energy = EnergyMeasure::true_energy;
   RotationEstimate rotation = RotationEstimate::centre;
@@ -83,7 +91,8 @@ class Workspace {
 };
 
 /// Advances state by one time step. Deterministic for any number of threads. Throws Error (bad_data) where
-/// solver.energy names an energy that the model's limits cannot measure (require_measurable()).
+/// solver.energy names an energy that the model's limits cannot measure (require_measurable()), or solver.linear a
+/// solver that does not suit the model (require_solvable()).
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state);
 
 /// The measured quantities of a state, without stepping.

@@ -9,6 +9,7 @@ namespace umax {
 namespace {
 
 constexpr Eigen::Index hexes_per_block = 64;
+constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
 
 }  // namespace
 
@@ -75,6 +76,24 @@ VectorXd limit_ratios(const StepProblem& problem, const Points& positions) {
 
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal) {
   for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(contact.hex, n)) += contact.weights[n] * force;
+}
+
+double contact_mass(const Model& model, const Contact& contact) {
+  double mass = 0;
+  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
+  return mass;
+}
+
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  const Model& model = *problem.model;
+  return embedded_position(model, positions, contact.hex, contact.weights) -
+         embedded_position(model, problem.positions_t0, contact.hex, contact.weights) - contact.obstacle_motion;
+}
+
+double contact_penalty(const StepProblem& problem, const Contact& contact) {
+  const Model& model = *problem.model;
+  const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
+  return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 
 double largest_move(const Model& model, const VectorXd& step) {

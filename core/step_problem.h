@@ -25,6 +25,7 @@ struct StepProblem {
   // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
   double joining_share = 0.5;
+  bool last_attempt = true;  // a step that does not converge is not halved
 };
 
 /// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.
@@ -49,6 +50,15 @@ void spread(const Model& model, const Contact& contact, const Vector3d& force, E
 
 /// Largest node displacement [cells of its body] of a step of 3 #N [m].
 double largest_move(const Model& model, const VectorXd& step);
+
+/// Mass [kg] of the nodes around a contact point, by its weights.
+double contact_mass(const Model& model, const Contact& contact);
+
+/// Motion [m] of a contact point relative to the obstacle during the step that ends at the positions.
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact);
+
+/// Penalty [N/m] of an augmented Lagrangian on a contact: much stiffer than the hex that it holds.
+double contact_penalty(const StepProblem& problem, const Contact& contact);
 
 /// Depth [m] of the deepest contact of a working set, 0 where all are open.
 double deepest(const std::vector<Contact>& contacts);

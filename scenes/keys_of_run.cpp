@@ -36,6 +36,11 @@ SceneSection solver_section() {
   auto keys = plain_section(section, &Scene::solver);
   keys.add("method", ChoiceKind<SolverMethod>{{{"exact", SolverMethod::exact}, {"paper", SolverMethod::paper}}},
            UMAX_FIELD(method), "exact: sequential quadratic programming; paper: projected Gauss-Seidel as published");
+  keys.add("linear",
+           ChoiceKind<LinearSolver>{{{"auto", LinearSolver::automatic},
+                                     {"direct", LinearSolver::direct},
+                                     {"multigrid", LinearSolver::multigrid}}},
+           UMAX_FIELD(linear), "exact: what its linear systems are solved with; auto: the faster one");
   keys.add("tolerance", NumberKind{units::ratio, {.low = 1e-12, .high = 1}}, UMAX_FIELD(tolerance),
            "bound on U/U_max - 1 at the end of a step");
   keys.add("energy", ChoiceKind<EnergyMeasure>{{{"true", EnergyMeasure::true_energy}, {"paper", EnergyMeasure::paper}}},

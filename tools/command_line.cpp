@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "scenes/nearest_word.h"
+#include "tools/machine_memory.h"
 #include "tools/options.h"
 
 namespace umax {
@@ -42,6 +43,12 @@ std::string is_size(const std::string& text) {
   const int found = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end);
   if (found == 2 && std::size_t(end) == text.size() && width > 0 && height > 0) return "";
   return "\"" + text + "\" is no size; write it as 1280x720";
+}
+
+/// Likewise.
+std::string is_memory(const std::string& text) {
+  if (parse_memory(text)) return "";
+  return "\"" + text + "\" is no size of memory; write it as 8G, 500M or a number of bytes";
 }
 
 /// The grammar: one set of options for all verbs, so that they may stand anywhere on the line.
@@ -175,6 +182,10 @@ class Grammar {
         {"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}};
     add("--threads", "N", o.threads, workers, "number of threads (default: all cores); results do not depend on it")
         ->check(CLI::Range(1, 1024));
+    add("--memory", "SIZE", o.memory, "run simulate drop reproduce tune",
+        "memory that a simulation may take, as in 8G or 500M (default: what the machine has to give); what would need "
+        "more is refused before it starts")
+        ->check(is_memory, "SIZE");
     CLI::Option* progress = app_.add_option("--progress", o.progress)->transform(CLI::CheckedTransformer(modes));
     entries_.push_back({progress, "--progress MODE", "run simulate render turntable drop reproduce tune",
                         "auto (a bar on a terminal), plain (a line per frame) or json"});

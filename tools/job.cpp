@@ -14,7 +14,9 @@
 #include "scenes/sha256.h"
 #include "tools/clip.h"
 #include "tools/frame_list.h"
+#include "tools/job_estimate.h"
 #include "tools/limit_report.h"
+#include "tools/machine_memory.h"
 #include "tools/signals.h"
 #include "tools/simulate.h"
 #include "tools/step_plots.h"
@@ -65,6 +67,20 @@ class RecordKeeper {
   std::filesystem::path path_;
   RunRecord record_;
 };
+
+/// Time steps up to a frame that the folder does not have yet.
+long long steps_left(const Job& job, int last_frame) {
+  if (!job.simulate) return 0;
+  const int found = job.existing == ExistingFolder::keep ? count_states(job.folder) : 0;
+  return std::max(0LL, (last_frame - std::max(1LL, (long long)(found))) * job.scene.clip.substeps);
+}
+
+/// Refuses what does not fit into the memory, and says what a large job will take.
+void tell_cost(const Simulation& simulation, long long steps, long long memory, Progress& progress) {
+  const JobSize size = size_of(simulation);
+  require_memory(size, simulation.scene, double(memory));
+  if (const std::string text = announce(size, steps); !text.empty()) progress.note(text);
+}
 
 /// What the folder is needed for, checked as long as nothing has been written.
 void check_before_start(const Job& job) {
@@ -170,13 +186,22 @@ int do_job(const Job& job, const Options& options) {
   const std::vector<int> frames =
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
   check_before_start(job);
+  const long long steps = steps_left(job, frames.back()), memory = usable_memory(options.memory);
+  // before cages are made that no memory holds, and before they are filled
+  const CageWatch watch = [&](const std::vector<BodySetup>& caged) {
+    if (steps > 0) require_memory(size_of(job.scene, caged), job.scene, double(memory));
+  };
+  watch({});
 
-  const auto set_up_now = job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene));
+  const auto set_up_now =
+      job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene, watch));
   const Simulation& simulation = *set_up_now;
   for (const std::string& warning : simulation.warnings) progress.warning(warning);
   for (const BodySetup& body : simulation.bodies)
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
                               body.lattice.num_hexes(), body.lattice.num_nodes()));
+
+  if (steps > 0) tell_cost(simulation, steps, memory, progress);
 
   std::optional<RunPictures> pictures;
   if (job.make_pictures) pictures = job.make_pictures(simulation, frames);

@@ -21,6 +21,7 @@ struct Options {
   std::vector<std::string> labels;    // --label TEXT: strip, one for each thing in it
   std::optional<int> still;           // --still: the frame that turntable circles
   std::optional<int> threads;
+  std::optional<std::string> memory;  // "8G": parse_memory() reads it
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, json = false;
   ProgressMode progress = ProgressMode::automatic;
 

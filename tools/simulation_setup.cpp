@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/hex_limits.h"
+#include "core/multigrid_system.h"
 #include "embedding/distance_grid.h"
 #include "embedding/figure.h"
 #include "embedding/hex_cage.h"
@@ -288,7 +289,7 @@ Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& se
   return obstacle;
 }
 
-Simulation set_up(const Scene& scene) {
+Simulation set_up(const Scene& scene, const CageWatch& watch) {
   Simulation simulation;
   simulation.scene = scene;
   simulation.options.time_step = scene.clip.time_step();
@@ -303,6 +304,7 @@ Simulation set_up(const Scene& scene) {
   std::vector<Body> bodies;
   for (const BodyDescription& description : scene.bodies) {
     BodySetup& setup = simulation.bodies.emplace_back(cage_body(description, obstacles));
+    if (watch) watch(simulation.bodies);
     for (const std::string& note : setup.shape.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
     for (const std::string& note : setup.cage.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
     setup.texture = read_texture(description, setup.shape, simulation.warnings);
@@ -311,6 +313,7 @@ Simulation set_up(const Scene& scene) {
   }
   simulation.model = make_model(bodies, obstacles);
   require_measurable(simulation.model, scene.solver.energy);
+  require_solvable(simulation.model, scene.solver);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
     simulation.bodies[i].first_node = simulation.model.bodies[i].first_node;
     simulation.bodies[i].first_hex = simulation.model.bodies[i].first_hex;

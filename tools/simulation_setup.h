@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -79,8 +80,11 @@ CageOptions cage_options(const CageDescription& cage);
 /// The model's obstacle and the mesh to draw it. Throws Error naming the obstacle.
 Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup);
 
+/// Called with the bodies so far whenever one has its cage; may throw before more memory is taken.
+using CageWatch = std::function<void(const std::vector<BodySetup>&)>;
+
 /// Throws Error (bad_data, not_found) that names the body, obstacle or probe and what is wrong.
-Simulation set_up(const Scene& scene);
+Simulation set_up(const Scene& scene, const CageWatch& watch = {});
 
 /// Current positions of the probes, one after the other [m].
 std::vector<Vector3d> probe_positions(const Simulation& simulation, const Points& nodes);

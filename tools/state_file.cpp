@@ -100,7 +100,9 @@ void add_part_limits(Writer& out, const PartLimitOptions& limits) {
 
 void add_body(Writer& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
-               friction, cell_size, rest_distance] = body;
+               friction, cell_size, cells, cell_edges, rest_distance] = body;
+  static_cast<void>(cells);  // they and cell_edges follow from the nodes and hexes
+  static_cast<void>(cell_edges);
   out.put_bytes(name.data(), name.size());
   out.put_all(first_node, num_nodes, first_hex, num_hexes, first_point, num_points);
   add_material(out, material);
@@ -125,9 +127,9 @@ void add_options(Writer& out, const StepOptions& options) {
   static_cast<void>(on_iteration);  // watches, changes nothing
   out.put(time_step);
   out.put_matrix(gravity);
-  const auto& [method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
+  const auto& [method, linear, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
                max_augmented_iterations, max_halvings, max_sweeps, sweep_tolerance] = solver;
-  out.put_all(method, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
+  out.put_all(method, linear, tolerance, energy, rotation, jacobian, max_iterations, max_newton_iterations,
               max_augmented_iterations, max_halvings, max_sweeps, sweep_tolerance);
 }
 

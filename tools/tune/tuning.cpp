@@ -9,6 +9,8 @@
 #include "render/write_file.h"
 #include "scenes/resolved_scene.h"
 #include "scenes/scene_file.h"
+#include "tools/job_estimate.h"
+#include "tools/machine_memory.h"
 #include "tools/run_folder.h"
 #include "tools/run_record.h"
 #include "tools/signals.h"
@@ -56,12 +58,9 @@ Found look_for(const Scene& scene, const fs::path& run, bool is_ours) {
   return found;
 }
 
-/// [bytes] measured: 0.42 GiB with 10,000 hexes, 3.2 GiB with 100,000, 0.36 GiB with a surface of 116,000 vertices.
+/// [bytes] of a run and its pictures; measured: 0.36 GiB with a surface of 116,000 vertices and few hexes.
 long long memory_of(const Scene& scene) {
-  long long bytes = 450LL << 20;
-  for (const BodyDescription& body : scene.bodies)
-    if (const int* cells = std::get_if<int>(&body.cage.size)) bytes += 40'000LL * *cells;
-  return bytes + 400LL * scene.render.width * scene.render.height;
+  return (450LL << 20) + (long long)(lattice_memory(size_of(scene))) + 400LL * scene.render.width * scene.render.height;
 }
 
 /// Does the stage of all variants that lack it; results are of these, `done` are those that failed before.
@@ -73,7 +72,9 @@ class Runner {
         progress_(progress),
         results_(plan.variants.size()),
         is_ours_(plan.variants.size(), 0) {
-    workers_ = {.threads = threads, .memory = available_memory(), .common_words = {}};
+    workers_ = {.threads = threads, .memory = usable_memory(options.memory), .common_words = {}};
+    // all of it for each: what runs beside it has been counted here
+    workers_.common_words = {"--memory", std::to_string(workers_.memory)};
     if (options.strict) workers_.common_words.push_back("--strict");
   }
 

@@ -4,7 +4,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <fstream>
 #include <list>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -123,16 +122,6 @@ class Crew {
 };
 
 }  // namespace
-
-long long available_memory() {
-  std::ifstream information("/proc/meminfo");
-  for (std::string name, unit; information >> name;) {
-    long long kib = 0;
-    if (name == "MemAvailable:" && information >> kib) return kib * 1024;
-    std::getline(information, unit);
-  }
-  return 4LL << 30;  // where the system does not say
-}
 
 int count_workers(const std::vector<WorkItem>& items, const WorkerOptions& options) {
   long long largest = 1;

@@ -27,9 +27,6 @@ struct WorkerOptions {
   std::vector<std::string> common_words = {};  // options that all get
 };
 
-/// [bytes] that this machine can give.
-long long available_memory();
-
 /// How many of the items may run at once: no more than threads, and so that their memory fits; at least one.
 int count_workers(const std::vector<WorkItem>& items, const WorkerOptions& options);
 

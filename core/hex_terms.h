@@ -1,0 +1,49 @@
+// Terms g g^T that each live on the nodes of one hex: what active limits and touching contacts add to the matrix.
+//
+// They may be 1e4 times stiffer than what is around them, more than any multigrid bears; so they stay outside of A, as
+// rows of a saddle-point system (core/minimum_residual.h).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/hex_operator.h"
+
+namespace umax {
+
+struct HexTerms {
+  using Vector24f = Eigen::Matrix<float, 24, 1>;
+  struct Hex {
+    std::array<int, 8> nodes{};  // slots
+    int first = 0, end = 0;      // of its vectors
+  };
+  std::vector<Hex> hexes;              // those with terms, by colour: hexes of a colour share no nodes
+  std::array<int, 9> colour_starts{};  // into hexes
+  std::vector<Vector24f> vectors;      // g [sqrt(N/m)], zero at nodes that are not free
+  std::vector<int> sources;            // which of the terms handed in each vector is
+  VectorXd offsets;
+  std::vector<MatrixXd> inverses;  // of each hex, nearly (I + G^T A^-1 G)^-1, for preconditioning
+};
+
+/// out = the preconditioner times factors.
+void precondition(const HexTerms& terms, const VectorXd& factors, VectorXd& out);
+
+/// One term as it is handed in.
+struct HexTerm {
+  int hex = 0;  // of the lattice
+  Vector24d vector = Vector24d::Zero();
+  double offset = 0;  // [sqrt(J)] the term's force is -g (g . x + offset)
+};
+
+/// Sorts the terms, zeroes them at nodes that are not free. cells, node_slots: as in BrickLattice's functions.
+HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
+                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal,
+                        const AlignedArray<float>& inverse);
+
+/// products = G^T x.
+void multiply(const HexTerms& terms, const AlignedArray<float>& x, VectorXd& products);
+
+/// x += G factors, in a fixed order.
+void add(const HexTerms& terms, const VectorXd& factors, AlignedArray<float>& x);
+
+}  // namespace umax

@@ -1,0 +1,166 @@
+#include "core/multigrid_subproblem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/multilevel_compliance.h"
+
+namespace umax {
+namespace {
+
+constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
+constexpr int max_corrections = 25;
+constexpr int max_contact_rounds = 6;  // detections per linearisation
+constexpr int max_sweeps = 50;
+
+// How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more. Coarser ones let weak
+// limits come and go, finer ones gain nothing.
+struct Accuracy {
+  double first = 1e-5;       // [-] of the first linear solve
+  double correction = 1e-3;  // [-] of those that correct contact forces
+  double settled = 1e-4;     // [-] change of the forces at which contacts are solved
+  bool final = true;         // contacts must be as shallow as the solution's
+};
+
+Accuracy accuracy_at(double kkt_residual) {
+  Accuracy accuracy;
+  const double coarser = std::clamp(kkt_residual / 1e-2, 1.0, 100.0);
+  accuracy.first *= coarser;
+  accuracy.correction *= std::min(10.0, coarser);
+  accuracy.settled *= coarser;
+  accuracy.final = coarser == 1;
+  return accuracy;
+}
+
+// forces, and what follows from them linearly
+struct ContactSolution {
+  VectorXd forces;  // 3 per contact [N]
+  VectorXd step;    // 3 #N [m]
+  VectorXd limit_change;
+};
+
+ContactSolution plus(const ContactSolution& a, double share, const ContactSolution& b) {
+  return {a.forces + share * b.forces, a.step + share * b.step, a.limit_change + share * b.limit_change};
+}
+
+VectorXd motions_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& step) {
+  VectorXd motions(3 * Eigen::Index(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Vector3d sum = Vector3d::Zero();
+    for (int n = 0; n < 8; ++n) sum += contacts[i].weights[n] * step.segment<3>(3 * model.hexes(contacts[i].hex, n));
+    motions.segment<3>(3 * Eigen::Index(i)) = sum;
+  }
+  return motions;
+}
+
+VectorXd push_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces) {
+  VectorXd push = VectorXd::Zero(3 * model.num_nodes());
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    spread(model, contacts[i], forces.segment<3>(3 * Eigen::Index(i)), push);
+  clear_fixed(model, push);
+  return push;
+}
+
+VectorXd known_forces(const StepProblem& problem, const std::vector<Contact>& contacts) {
+  VectorXd forces(3 * Eigen::Index(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    forces.segment<3>(3 * Eigen::Index(i)) = contacts[i].impulse / problem.h;
+  return forces;
+}
+
+// what a change of forces does to the step
+ContactSolution response(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
+                         const VectorXd& change, const Accuracy& accuracy, Workspace::Data& workspace,
+                         StepReport& report) {
+  NewtonStep newton = solve_multigrid(problem, at, -push_of(*problem.model, iterate.contacts, change), false,
+                                      accuracy.correction, workspace, report);
+  return {change, std::move(newton.step), std::move(newton.limit_change)};
+}
+
+// contacts as rows whose w is the motion relative to the obstacle, of which `fixed` is there before the step
+std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& iterate, VectorXd& fixed) {
+  std::vector<ContactRow> rows;
+  fixed.resize(3 * Eigen::Index(iterate.contacts.size()));
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+    const Contact& contact = iterate.contacts[i];
+    const Vector3d motion = relative_motion(problem, iterate.positions, contact);
+    fixed.segment<3>(3 * Eigen::Index(i)) = motion;
+    rows.push_back({contact.normal, contact.friction, contact.gap - contact.normal.dot(motion)});
+  }
+  return rows;
+}
+
+// is no contact deeper after the step than a small share of what is bearable?
+bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
+              const VectorXd& fixed, const ContactSolution& solution) {
+  const VectorXd w = fixed + motions_of(*problem.model, iterate.contacts, solution.step);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
+    const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
+    if (gap < -clear_share * bearable) return false;
+  }
+  return true;
+}
+
+void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate& iterate, const Accuracy& accuracy,
+                    double& scale, Workspace::Data& workspace, StepReport& report, ContactSolution& solution) {
+  const Model& model = *problem.model;
+  const MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
+  VectorXd fixed;
+  const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
+  ContactSolution ahead = solution;  // extrapolated
+  double momentum = 1;
+  for (int i = 0; i < max_corrections; ++i) {
+    const VectorXd w = fixed + motions_of(model, iterate.contacts, ahead.step);
+    VectorXd forces = ahead.forces;
+    gauss_seidel(compliance, scale, rows, w - scale * apply(compliance, ahead.forces),
+                 {.max_sweeps = max_sweeps, .tolerance = 0.1 * accuracy.settled}, forces);
+    const VectorXd change = forces - ahead.forces;
+    const double largest = forces.cwiseAbs().maxCoeff();
+    if (change.cwiseAbs().maxCoeff() <= accuracy.settled * largest &&
+        (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution)))
+      break;
+    const ContactSolution correction = response(problem, at, iterate, change, accuracy, workspace, report);
+    // the largest share that cannot overshoot: curvature met over curvature assumed
+    const double met = change.dot(motions_of(model, iterate.contacts, correction.step));
+    const double assumed = scale * change.dot(apply(compliance, change));
+    const double share = met > assumed ? assumed / met : 1;
+    ContactSolution next = plus(ahead, share, correction);
+    scale *= met > assumed ? met / assumed : std::max(0.7, met / assumed);
+    const VectorXd forward = next.forces - solution.forces;
+    if (change.dot(forward) < 0) momentum = 1;  // it turned round: restart
+    const double before = momentum;
+    momentum = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
+    const double beta = (before - 1) / momentum;
+    ahead = plus(next, beta,
+                 ContactSolution{forward, next.step - solution.step, next.limit_change - solution.limit_change});
+    solution = std::move(next);
+  }
+}
+
+}  // namespace
+
+NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& at, const VectorXd& grad,
+                               Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
+  const Model& model = *problem.model;
+  set_up_multigrid(problem, at, iterate, workspace);
+  ++report.factorisations;
+  const Accuracy accuracy = accuracy_at(report.kkt_residual);
+  ContactSolution solution;
+  solution.forces = known_forces(problem, iterate.contacts);
+  NewtonStep newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces), true,
+                                      accuracy.first, workspace, report);
+  solution.step = std::move(newton.step);
+  solution.limit_change = std::move(newton.limit_change);
+  double scale = 1;
+  for (int round = 0; round < max_contact_rounds; ++round) {
+    if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, scale, workspace, report, solution);
+    for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+      iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
+    if (add_linearised_contacts(problem, solution.step, iterate) == 0) break;
+    solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
+  }
+  return {std::move(solution.step), std::move(solution.limit_change)};
+}
+
+}  // namespace umax

@@ -1,0 +1,170 @@
+#include "core/multigrid_system.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index grain = 4096;
+
+// the body's part of what is given per node of the model, as node vectors in bricks
+template <class T>
+void to_bricks(const Model::BodyRange& body, const std::vector<int>& slots, const double* values, double factor,
+               AlignedArray<T>& bricks) {
+  parallel_blocks(body.num_nodes, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      for (int c = 0; c < 3; ++c)
+        bricks[slot_offset(slots[node], vector_components) + std::size_t(c) * brick_lanes] =
+            T(factor * values[3 * (body.first_node + node) + c]);
+  });
+}
+
+// the other way, times a factor
+void from_bricks(const Model::BodyRange& body, const std::vector<int>& slots, const AlignedArray<float>& bricks,
+                 double factor, VectorXd& values) {
+  parallel_blocks(body.num_nodes, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      for (int c = 0; c < 3; ++c)
+        values[3 * (body.first_node + node) + c] =
+            factor * double(bricks[slot_offset(slots[node], vector_components) + std::size_t(c) * brick_lanes]);
+  });
+}
+
+double largest_value(const Model::BodyRange& body, const VectorXd& values) {
+  return values.segment(3 * Eigen::Index(body.first_node), 3 * Eigen::Index(body.num_nodes)).cwiseAbs().maxCoeff();
+}
+
+BodyGrid make_body_grid(const Model& model, const Model::BodyRange& body) {
+  BodyGrid grid;
+  grid.multigrid = make_multigrid(make_brick_lattice(body.cells, body.cell_edges), body.material.poisson);
+  const BrickLattice& lattice = grid.multigrid.levels.front().lattice;
+  grid.cell_slots = cell_slots(lattice, body.cells);
+  Hexes hexes = model.hexes.middleRows(body.first_hex, body.num_hexes);
+  hexes.array() -= body.first_node;
+  grid.node_slots = node_slots(lattice, body.cells, hexes, body.num_nodes);
+  grid.stiffness = AlignedArray<float>(lattice.num_slots());
+  grid.positions = AlignedArray<double>(lattice.num_slots() * vector_components);
+  grid.b = AlignedArray<float>(lattice.num_slots() * vector_components);
+  grid.x = AlignedArray<float>(lattice.num_slots() * vector_components);
+  grid.workspace = make_residual_workspace(grid.multigrid);
+  return grid;
+}
+
+void set_up_matrix(const StepProblem& problem, const Model::BodyRange& body, const Points& positions,
+                   const VectorXd& stiffening, BodyGrid& grid) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  MultigridLevel& level = grid.multigrid.levels.front();
+  parallel_blocks(body.num_hexes, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      const Eigen::Index hex = body.first_hex + e;
+      grid.stiffness[grid.cell_slots[e]] =
+          float(problem.young[hex] * (1 + stiffening[hex] + problem.damping_stiffness[hex] / h));
+    }
+  });
+  parallel_blocks(body.num_nodes, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const Eigen::Index node = body.first_node + i;
+      const float w = float(model.node_mass[node] * (1 / (h * h) + problem.damping_mass[node] / h));
+      level.matrix.diagonal[grid.node_slots[i]] = model.node_fixed[node] ? -w : w;
+    }
+  });
+  to_bricks(body, grid.node_slots, positions.data(), 1, grid.positions);
+  set_frames(level.op, grid.positions, grid.stiffness, level.matrix);
+  set_up(grid.multigrid);
+}
+
+void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridSystem& system) {
+  std::vector<std::vector<HexTerm>> of_body(system.bodies.size());
+  std::vector<std::vector<int>> sources(system.bodies.size());
+  system.offset_force.setZero(3 * model.num_nodes());
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const HexTerm& term = terms[t];
+    const int b = model.hex_body[term.hex];
+    of_body[b].push_back({term.hex - model.bodies[b].first_hex, term.vector, term.offset});
+    sources[b].push_back(int(t));
+    for (int n = 0; n < 8; ++n)
+      system.offset_force.segment<3>(3 * model.hexes(term.hex, n)) += term.offset * term.vector.segment<3>(3 * n);
+  }
+  clear_fixed(model, system.offset_force);
+  for (std::size_t b = 0; b < system.bodies.size(); ++b) {
+    const Model::BodyRange& body = model.bodies[b];
+    BodyGrid& grid = system.bodies[b];
+    const MultigridLevel& level = grid.multigrid.levels.front();
+    grid.terms = make_hex_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
+                                body.first_node, grid.node_slots, level.matrix.diagonal, level.inverse);
+    for (int& source : grid.terms.sources) source = sources[b][source];
+  }
+}
+
+// what stands against multigrids; empty: nothing
+ErrorText multigrid_obstacle(const Model& model, const SolverOptions& solver) {
+  const std::string direct = "or leave solver.linear out";
+  for (const Model::BodyRange& body : model.bodies)
+    if (body.cells.rows() == 0)
+      return {"body." + body.name + ".cage", "is no regular lattice, which multigrid needs", "",
+              "use a cage of cells, " + direct};
+  if (solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact)
+    return {"solver.energy, solver.jacobian", "are the paper's, which multigrid does not know", "",
+            "leave them out, " + direct};
+  if (solver.rotation != RotationEstimate::centre)
+    return {"solver.rotation", "is not the centre's, which multigrid needs", "", "leave it out, " + direct};
+  return {};
+}
+
+}  // namespace
+
+bool suits_multigrid(const Model& model, const SolverOptions& solver) {
+  return solver.method == SolverMethod::exact && multigrid_obstacle(model, solver).where.empty();
+}
+
+void require_solvable(const Model& model, const SolverOptions& solver) {
+  if (solver.method != SolverMethod::exact || solver.linear != LinearSolver::multigrid) return;
+  const ErrorText obstacle = multigrid_obstacle(model, solver);
+  if (!obstacle.where.empty()) throw Error(ExitCode::bad_data, obstacle);
+}
+
+MultigridSystem make_multigrid_system(const Model& model) {
+  MultigridSystem system;
+  for (const Model::BodyRange& body : model.bodies) system.bodies.push_back(make_body_grid(model, body));
+  // the operators keep the addresses of lattices
+  for (BodyGrid& grid : system.bodies)
+    for (MultigridLevel& level : grid.multigrid.levels) level.op.lattice = &level.lattice;
+  return system;
+}
+
+void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
+            const std::vector<HexTerm>& terms, MultigridSystem& system) {
+  for (std::size_t b = 0; b < system.bodies.size(); ++b)
+    set_up_matrix(problem, problem.model->bodies[b], positions, stiffening, system.bodies[b]);
+  set_terms(*problem.model, terms, system);
+}
+
+LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const MinimumResidualOptions& options,
+                     MultigridSystem& system) {
+  LinearSolution solution{VectorXd::Zero(3 * model.num_nodes()), {}, 0};
+  Eigen::Index num_terms = 0;
+  for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(grid.terms.vectors.size());
+  solution.products.setZero(num_terms);
+  VectorXd rest = b;
+  if (with_offsets) rest += system.offset_force;
+  for (std::size_t i = 0; i < system.bodies.size(); ++i) {
+    const Model::BodyRange& body = model.bodies[i];
+    BodyGrid& grid = system.bodies[i];
+    VectorXd c = VectorXd::Zero(grid.terms.offsets.size());
+    if (with_offsets) c = -grid.terms.offsets;
+    const double largest = largest_value(body, rest);
+    if (!(largest > 0) && c.isZero(0)) continue;
+    const double unit = largest > 0 ? largest : 1;  // so that nothing leaves the range of float
+    to_bricks(body, grid.node_slots, rest.data(), 1 / unit, grid.b);
+    VectorXd y;
+    solution.iterations +=
+        solve(grid.multigrid, grid.terms, options, grid.b, c / unit, grid.workspace, grid.x, y).iterations;
+    for (Eigen::Index t = 0; t < y.size(); ++t) solution.products[grid.terms.sources[t]] = unit * y[t] + c[t];
+    from_bricks(body, grid.node_slots, grid.x, unit, solution.x);
+  }
+  return solution;
+}
+
+}  // namespace umax

@@ -1,0 +1,56 @@
+// The step's linear systems on multigrids, one per body: no matrix is ever stored.
+//
+//   A = diag(m (1/h^2 + alpha/h)) + sum_e (1 + sum lambda/U_max + beta/h) R_e Y K R_e^T
+// R_e: of the hex's centre, K: of the whole energy. Rank-one terms of limits and the stiffness of contacts join as
+// HexTerms. Limits on parts stiffen by their share of the whole at most, so that theirs is an upper bound.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/minimum_residual.h"
+#include "core/step_problem.h"
+
+namespace umax {
+
+struct BodyGrid {
+  Multigrid multigrid;
+  std::vector<int> cell_slots, node_slots;
+  AlignedArray<float> stiffness;   // per cell [Pa]
+  AlignedArray<double> positions;  // per node [m]
+  AlignedArray<float> b, x;        // right-hand side and solution
+  MinimumResidualWorkspace workspace;
+  HexTerms terms;
+};
+
+struct MultigridSystem {
+  std::vector<BodyGrid> bodies;
+  VectorXd offset_force;  // 3 #N [N] sum of g offset
+};
+
+/// Can the exact step of such a model be solved on multigrids: regular lattices, energy and rotation the true ones?
+bool suits_multigrid(const Model& model, const SolverOptions& solver);
+
+/// Throws Error (bad_data) that names what stands against it where solver.linear is multigrid and does not suit.
+void require_solvable(const Model& model, const SolverOptions& solver);
+
+MultigridSystem make_multigrid_system(const Model& model);
+
+/// A at the positions. stiffening: #E, factors [-] on the hexes' stiffness beyond 1. terms: g g^T beside A, in any
+/// order, whose `hex` counts the model's hexes.
+void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
+            const std::vector<HexTerm>& terms, MultigridSystem& system);
+
+struct LinearSolution {
+  VectorXd x;          // 3 #N
+  VectorXd products;   // g . x of each term, as handed in, in their order
+  int iterations = 0;  // of all bodies
+};
+
+/// x ~ (A + sum g g^T)^-1 b for b of 3 #N, zero at fixed nodes. with_offsets: b holds the terms' forces -g offset,
+/// which may be too large to leave them to rounding.
+LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const MinimumResidualOptions& options,
+                     MultigridSystem& system);
+
+}  // namespace umax

@@ -1,0 +1,208 @@
+#include "core/multilevel_compliance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace umax {
+namespace {
+
+using Share = MultilevelCompliance::Share;
+
+// what moves under the forces so far
+struct Motion {
+  std::vector<Vector3d> nodes;
+  std::vector<VectorXd> last;  // per body
+};
+
+Motion at_rest(const MultilevelCompliance& compliance) {
+  Motion motion{std::vector<Vector3d>(compliance.inverses.size(), Vector3d::Zero()), {}};
+  for (const MatrixXd& inverse : compliance.last) motion.last.push_back(VectorXd::Zero(inverse.rows()));
+  return motion;
+}
+
+void push(const MultilevelCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
+  const MultilevelCompliance::Point& point = compliance.points[contact];
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n)
+      motion.nodes[share.nodes[n]].noalias() += compliance.inverses[share.nodes[n]] * (share.weights[n] * force);
+  const MatrixXd& last = compliance.last[point.body];
+  if (last.size() > 0)
+    for (int n = 0; n < 8; ++n)
+      if (point.last.weights[n] != 0)
+        motion.last[point.body].noalias() +=
+            last.middleCols<3>(3 * point.last.nodes[n]) * (point.last.weights[n] * force);
+}
+
+Vector3d motion_of(const MultilevelCompliance& compliance, int contact, const Motion& motion) {
+  const MultilevelCompliance::Point& point = compliance.points[contact];
+  Vector3d sum = Vector3d::Zero();
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n) sum += share.weights[n] * motion.nodes[share.nodes[n]];
+  if (motion.last[point.body].size() > 0)
+    for (int n = 0; n < 8; ++n)
+      sum += point.last.weights[n] * motion.last[point.body].segment<3>(3 * point.last.nodes[n]);
+  return sum;
+}
+
+// a point's cell and node weights on one level
+struct Place {
+  Vector3i cell;
+  Vector8d weights;
+};
+
+Vector3i corner(int n) {
+  return {n >> 2 & 1, n >> 1 & 1, n & 1};
+}
+
+Place coarser(const Place& fine, const Vector3i& factor) {
+  Place coarse{fine.cell.cwiseQuotient(factor), Vector8d::Zero()};
+  for (int n = 0; n < 8; ++n) {
+    const Vector3i at = fine.cell + corner(n) - coarse.cell.cwiseProduct(factor);  // 0 ... factor
+    for (int m = 0; m < 8; ++m) {
+      double weight = fine.weights[n];
+      for (int axis = 0; axis < 3; ++axis) {
+        const double along = double(at[axis]) / factor[axis];
+        weight *= corner(m)[axis] ? along : 1 - along;
+      }
+      coarse.weights[m] += weight;
+    }
+  }
+  return coarse;
+}
+
+Matrix3d block_inverse(const MultigridLevel& level, int slot) {
+  const std::size_t at = slot_offset(slot, inverse_components);
+  const auto d = [&](int i) { return double(level.inverse[at + std::size_t(i) * brick_lanes]); };
+  Matrix3d D;
+  D << d(0), d(1), d(2), d(1), d(3), d(4), d(2), d(4), d(5);
+  return D;
+}
+
+// numbers for slots as they come
+class Numbering {
+ public:
+  int of(int slot) {
+    const auto [found, added] = numbers_.emplace(slot, int(slots_.size()));
+    if (added) slots_.push_back(slot);
+    return found->second;
+  }
+  const std::vector<int>& slots() const { return slots_; }
+
+ private:
+  std::map<int, int> numbers_;
+  std::vector<int> slots_;
+};
+
+// A^-1 between nodes of the last level
+MatrixXd last_inverse(const Multigrid& multigrid, const std::vector<int>& slots) {
+  const std::vector<int>& all = multigrid.dense_slots;
+  std::vector<Eigen::Index> rows;
+  for (const int slot : slots) rows.push_back(std::lower_bound(all.begin(), all.end(), slot) - all.begin());
+  MatrixXd columns = MatrixXd::Zero(3 * Eigen::Index(all.size()), 3 * Eigen::Index(slots.size()));
+  const auto is_free = [&](std::size_t i) { return multigrid.levels.back().matrix.diagonal[slots[i]] > 0; };
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (is_free(i)) columns.block<3, 3>(3 * rows[i], 3 * Eigen::Index(i)).setIdentity();
+  multigrid.dense.solveInPlace(columns);
+  MatrixXd inverse(columns.cols(), columns.cols());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    inverse.middleRows<3>(3 * Eigen::Index(i)) = columns.middleRows<3>(3 * rows[i]);
+  return inverse;
+}
+
+void add_body(const Model& model, int body, const BodyGrid& grid, const std::vector<Contact>& contacts,
+              MultilevelCompliance& compliance) {
+  const std::vector<MultigridLevel>& levels = grid.multigrid.levels;
+  const std::size_t num_single = levels.size() - (grid.multigrid.has_dense ? 1 : 0);
+  std::vector<Numbering> numberings(levels.size());
+  std::vector<int> of_body;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (model.hex_body[contacts[i].hex] == body) of_body.push_back(int(i));
+  for (const int i : of_body) {
+    MultilevelCompliance::Point& point = compliance.points[i];
+    point.body = body;
+    const Eigen::Index cell = contacts[i].hex - model.bodies[body].first_hex;
+    Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice.first_cell,
+                contacts[i].weights};
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      if (l > 0) place = coarser(place, levels[l - 1].factor);
+      Share share;
+      share.weights = place.weights;
+      for (int n = 0; n < 8; ++n) share.nodes[n] = numberings[l].of(slot_of(levels[l].lattice, place.cell + corner(n)));
+      if (l < num_single)
+        point.shares.push_back(share);
+      else
+        point.last = share;
+    }
+  }
+  for (std::size_t l = 0; l < num_single; ++l) {
+    const int first = int(compliance.inverses.size());
+    for (const int slot : numberings[l].slots()) compliance.inverses.push_back(block_inverse(levels[l], slot));
+    for (const int i : of_body)
+      for (int& node : compliance.points[i].shares[l].nodes) node += first;
+  }
+  if (grid.multigrid.has_dense) compliance.last[body] = last_inverse(grid.multigrid, numberings.back().slots());
+}
+
+Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompliance::Point& point) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n) sum += share.weights[n] * share.weights[n] * compliance.inverses[share.nodes[n]];
+  const MatrixXd& last = compliance.last[point.body];
+  if (last.size() > 0)
+    for (int m = 0; m < 8; ++m)
+      for (int n = 0; n < 8; ++n)
+        sum += point.last.weights[m] * point.last.weights[n] *
+               last.block<3, 3>(3 * point.last.nodes[m], 3 * point.last.nodes[n]);
+  return sum;
+}
+
+}  // namespace
+
+MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
+                                                const std::vector<Contact>& contacts) {
+  MultilevelCompliance compliance;
+  compliance.points.resize(contacts.size());
+  compliance.last.resize(system.bodies.size());
+  for (std::size_t body = 0; body < system.bodies.size(); ++body)
+    add_body(model, int(body), system.bodies[body], contacts, compliance);
+  for (const MultilevelCompliance::Point& point : compliance.points)
+    compliance.blocks.push_back(own_block(compliance, point));
+  return compliance;
+}
+
+VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces) {
+  Motion motion = at_rest(compliance);
+  const int count = int(compliance.points.size());
+  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
+  VectorXd motions(forces.size());
+  for (int i = 0; i < count; ++i) motions.segment<3>(3 * i) = motion_of(compliance, i, motion);
+  return motions;
+}
+
+int gauss_seidel(const MultilevelCompliance& compliance, double scale, const std::vector<ContactRow>& rows,
+                 const VectorXd& q, const GaussSeidelOptions& options, VectorXd& forces) {
+  const int count = int(rows.size());
+  std::vector<ContactBlock> blocks;
+  for (int i = 0; i < count; ++i) blocks.push_back(make_contact_block(scale * compliance.blocks[i], rows[i].normal));
+  Motion motion = at_rest(compliance);
+  for (int i = 0; i < count; ++i) push(compliance, i, scale * forces.segment<3>(3 * i), motion);
+  int sweeps = 0;
+  double change = 1, size = 0;
+  while (sweeps < options.max_sweeps && change > options.tolerance * size) {
+    ++sweeps;
+    change = size = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vector3d old = forces.segment<3>(3 * i);
+      const Vector3d w = q.segment<3>(3 * i) + motion_of(compliance, i, motion);
+      const Vector3d next = relaxed_force(rows[i], blocks[i], w, old);
+      if (next != old) push(compliance, i, scale * (next - old), motion);
+      forces.segment<3>(3 * i) = next;
+      change = std::max(change, (next - old).cwiseAbs().maxCoeff());
+      size = std::max(size, next.cwiseAbs().maxCoeff());
+    }
+  }
+  return sweeps;
+}
+
+}  // namespace umax

@@ -1,0 +1,44 @@
+// How contact points give way to each other's forces, nearly: J B J^T with B the multilevel inverse of A,
+//
+//   B = sum over levels of P D^-1 P^T,   on the last one P A^-1 P^T          Bramble, Pasciak, Xu 1990
+// A contact's force moves eight nodes on each level and no more, so that a Gauss-Seidel sweep over thousands of
+// contacts costs next to nothing, where a Delassus matrix could not even be stored. Up to a factor it is the Delassus
+// matrix.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/contact.h"
+#include "core/gauss_seidel.h"
+#include "core/multigrid_system.h"
+
+namespace umax {
+
+struct MultilevelCompliance {
+  struct Share {  // of a contact's point, on one level
+    std::array<int, 8> nodes{};
+    Vector8d weights = Vector8d::Zero();
+  };
+  struct Point {
+    std::vector<Share> shares;  // on levels whose nodes move one by one
+    int body = 0;
+    Share last;  // on the last level, whose nodes move together
+  };
+  std::vector<Point> points;       // one per contact
+  std::vector<Matrix3d> inverses;  // D^-1 of the nodes that contacts touch, of all levels
+  std::vector<MatrixXd> last;      // per body: A^-1 between the touched nodes of its last level
+  std::vector<Matrix3d> blocks;    // per contact: its own motion under its own force
+};
+
+MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
+                                                const std::vector<Contact>& contacts);
+
+/// The motions J B J^T f of contact points under forces f (3 per contact).
+VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces);
+
+/// Projected Gauss-Seidel for W = scale J B J^T: improves the forces in place. Returns the sweeps.
+int gauss_seidel(const MultilevelCompliance& compliance, double scale, const std::vector<ContactRow>& rows,
+                 const VectorXd& q, const GaussSeidelOptions& options, VectorXd& forces);
+
+}  // namespace umax

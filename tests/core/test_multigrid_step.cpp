@@ -1,0 +1,276 @@
+// The exact step on multigrids: its parts against dense algebra, whole steps against the direct solver.
+#include <tbb/global_control.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/multilevel_compliance.h"
+#include "core/step_problem.h"
+#include "tests/support/bodies.h"
+#include "tests/support/catch.h"
+#include "tests/support/failure.h"
+#include "tests/support/hex_samples.h"
+
+using namespace umax;
+
+namespace {
+
+constexpr double h = 1.0 / 60;
+
+// A block at rest, more than the last level's nodes, with contacts under all of its lowest hexes.
+struct Resting {
+  Model model = make_model({test::make_block({6, 7, 8}, {0, 0, 0}, 0.1)}, {test::make_ground(0.5)});
+  StepOptions options;
+  State state = rest_state(model);
+  ContactGeometry geometry = make_contact_geometry(model);
+  StepProblem problem = begin_step(model, options, geometry, state);
+  std::vector<Contact> contacts;
+  MultigridSystem system = make_multigrid_system(model);
+
+  explicit Resting(const std::vector<HexTerm>& terms = {}) {
+    const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
+    add_contacts(problem.contact, pushed_in, 0, contacts);
+    REQUIRE(contacts.size() == 48);
+    set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  }
+
+  // A, its columns by solving nothing: the operator applied to unit vectors
+  MatrixXd matrix() {
+    BodyGrid& grid = system.bodies.front();
+    const MultigridLevel& level = grid.multigrid.levels.front();
+    MatrixXd A(3 * model.num_nodes(), 3 * model.num_nodes());
+    AlignedArray<double> x(level.lattice.num_slots() * vector_components), y(x.size());
+    for (Eigen::Index i = 0; i < A.cols(); ++i) {
+      to_bricks(grid.node_slots, VectorXd::Unit(A.cols(), i), x);
+      apply(level.op, level.matrix, x, y);
+      VectorXd column;
+      from_bricks(grid.node_slots, y, column);
+      A.col(i) = column;
+    }
+    return A;
+  }
+};
+
+std::vector<HexTerm> random_terms(const Model& model, double least, double most) {
+  test::Random random(7);
+  std::vector<HexTerm> terms;
+  for (int hex = 0; hex < int(model.num_hexes()); hex += 3) {
+    HexTerm term;
+    term.hex = hex;
+    const double size = std::sqrt(least * std::pow(most / least, double(hex) / double(model.num_hexes())));
+    for (int i = 0; i < 24; ++i) term.vector[i] = size * random.uniform(-1, 1);
+    term.offset = random.uniform(-1, 1);
+    terms.push_back(term);
+  }
+  return terms;
+}
+
+VectorXd dense_term(const Model& model, const HexTerm& term) {
+  VectorXd g = VectorXd::Zero(3 * model.num_nodes());
+  for (int n = 0; n < 8; ++n) g.segment<3>(3 * model.hexes(term.hex, n)) = term.vector.segment<3>(3 * n);
+  return g;
+}
+
+}  // namespace
+
+TEST_CASE("minimum residuals solve with terms 1e6 times stiffer than the matrix, in few iterations") {
+  const Model model = Resting().model;
+  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e10);
+  Resting resting(terms);
+  MatrixXd A = resting.matrix();
+  for (const HexTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
+  test::Random random(3);
+  VectorXd b(A.rows());
+  for (double& value : b) value = random.uniform(-1, 1);
+  const LinearSolution solution = solve(model, b, false, {.tolerance = 1e-7}, resting.system);
+  const VectorXd expected = A.ldlt().solve(b);
+  CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
+  CHECK(solution.iterations <= 90);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const double product = dense_term(model, terms[t]).dot(expected);
+    CHECK(std::abs(solution.products[Eigen::Index(t)] - product) <= 1e-3 * solution.products.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("a stiff term's force may stand in the right-hand side or be taken out of it") {
+  const Model model = Resting().model;
+  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
+  Resting resting(terms);
+  VectorXd b = VectorXd::Ones(3 * model.num_nodes());
+  for (const HexTerm& term : terms) b -= term.offset * dense_term(model, term);
+  const MinimumResidualOptions options{.tolerance = 1e-7};
+  const LinearSolution within = solve(model, b, false, options, resting.system);
+  const LinearSolution taken_out = solve(model, b, true, options, resting.system);
+  CHECK((within.x - taken_out.x).norm() <= 1e-4 * within.x.norm());
+  CHECK((within.products - taken_out.products).norm() <= 1e-4 * within.products.norm());
+}
+
+TEST_CASE("the multilevel compliance is the Delassus matrix up to a small factor, and symmetric") {
+  Resting resting;
+  const MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  MatrixXd nearly(size, size), J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    nearly.col(i) = apply(compliance, VectorXd::Unit(size, i));
+    spread(resting.model, resting.contacts[std::size_t(i / 3)], Vector3d::Unit(i % 3), J.col(i));
+  }
+  CHECK((nearly - nearly.transpose()).cwiseAbs().maxCoeff() <= 1e-6 * nearly.cwiseAbs().maxCoeff());
+  const MatrixXd delassus = J.transpose() * resting.matrix().ldlt().solve(J);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(delassus, 0.5 * (nearly + nearly.transpose()),
+                                                                 Eigen::EigenvaluesOnly);
+  CHECK(eigen.eigenvalues().minCoeff() >= 0.1);
+  CHECK(eigen.eigenvalues().maxCoeff() <= 3);
+}
+
+TEST_CASE("sweeps over the multilevel compliance end where those over its matrix do") {
+  Resting resting;
+  const MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  ComplementarityProblem problem;
+  problem.W.resize(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) problem.W.col(i) = 1.5 * apply(compliance, VectorXd::Unit(size, i));
+  test::Random random(5);
+  problem.q.resize(size);
+  for (double& value : problem.q) value = random.uniform(-2, 1) * 1e-3;
+  for (const Contact& contact : resting.contacts) problem.contacts.push_back({contact.normal, contact.friction, 0});
+  VectorXd expected = VectorXd::Zero(size), forces = expected;
+  REQUIRE(gauss_seidel(problem, {.max_sweeps = 20000, .tolerance = 1e-10}, expected).converged);
+  gauss_seidel(compliance, 1.5, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
+  CHECK(expected.maxCoeff() > 0);
+  CHECK((forces - expected).cwiseAbs().maxCoeff() <= 1e-5 * expected.cwiseAbs().maxCoeff());
+}
+
+namespace {
+
+struct Run {
+  State state;
+  int limits = 0, contacts = 0, not_converged = 0, sqp = 0, linear = 0;
+  double ratio = 0, kkt = 0, depth = 0;
+};
+
+Run run(const Model& model, LinearSolver linear, int steps, double time_step = 0.01) {
+  StepOptions options{.time_step = time_step};
+  options.solver.linear = linear;
+  Run run{rest_state(model)};
+  test::simulate(model, options, steps, run.state, [&](const StepReport& report, const State&) {
+    run.limits = std::max(run.limits, report.limits_active);
+    run.contacts = std::max(run.contacts, report.contacts);
+    run.not_converged += report.status != StepStatus::converged;
+    run.sqp += report.sqp_iterations;
+    run.linear += report.linear_iterations;
+    run.ratio = std::max(run.ratio, report.max_energy_ratio);
+    run.kkt = std::max(run.kkt, report.kkt_residual);
+    run.depth = std::max(run.depth, report.max_penetration);
+  });
+  return run;
+}
+
+Model thrown_sphere() {
+  Body body = test::make_sphere(6, {0, 1.05, 0}, 2000);
+  body.velocity = {1, -4, 0};
+  body.spin = {0, 0, 2};
+  test::limit_energy(body, 20);
+  return make_model({body}, {test::make_ground(0.5)});
+}
+
+}  // namespace
+
+TEST_CASE("both linear solvers make the same steps of an impact with limits and friction") {
+  const Model model = thrown_sphere();
+  const Run direct = run(model, LinearSolver::direct, 15), multigrid = run(model, LinearSolver::multigrid, 15);
+  REQUIRE(direct.limits > 5);
+  REQUIRE(direct.contacts > 5);
+  CHECK(multigrid.not_converged == 0);
+  CHECK(multigrid.ratio <= 1.001);
+  CHECK(multigrid.kkt <= 1e-3);
+  CHECK(multigrid.depth <= 1e-3 * model.bodies.front().cell_size);
+  CHECK((multigrid.state.positions - direct.state.positions).cwiseAbs().maxCoeff() <=
+        2e-3 * model.bodies.front().cell_size);
+  CHECK(multigrid.sqp <= 2 * direct.sqp);
+  CHECK(multigrid.linear <= 21000);  // 19831 with AVX2
+}
+
+TEST_CASE("a step on multigrids is bit-identical for 1 and 2 threads") {
+  const Model model = thrown_sphere();
+  const auto with = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    return run(model, LinearSolver::multigrid, 12).state;
+  };
+  const State one = with(1), two = with(2);
+  CHECK(one.positions == two.positions);
+  CHECK(one.velocities == two.velocities);
+  CHECK(one.limit_multipliers == two.limit_multipliers);
+  REQUIRE(one.contacts.size() == two.contacts.size());
+  for (std::size_t i = 0; i < one.contacts.size(); ++i) CHECK(one.contacts[i].impulse == two.contacts[i].impulse);
+}
+
+TEST_CASE("several bodies, fixed nodes, soft limits and limits on parts step alike with both linear solvers") {
+  Body beam = test::make_beam();
+  beam.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.05};
+  Body soft = test::make_block({4, 3, 3}, {0.3, 0.5, 0}, 0.05);
+  soft.name = "soft";
+  soft.velocity = {0, -2, 0.5};
+  soft.limit = {.kind = LimitKind::soft, .unit = LimitUnit::stretch, .value = 0.1};
+  Body parts = test::make_block({3, 4, 3}, {0.7, 0.5, 0}, 0.05);
+  parts.name = "parts";
+  parts.velocity = {0, -3, 0};
+  parts.part_limits.volumetric = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.05};
+  parts.part_limits.deviatoric = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.08};
+  Obstacle ground = test::make_ground(0.3);
+  ground.position = Track<Vector3d>(Vector3d(0, 0.4, 0));
+  const Model model = make_model({beam, soft, parts}, {ground});
+  const Run direct = run(model, LinearSolver::direct, 12), multigrid = run(model, LinearSolver::multigrid, 12);
+  REQUIRE(direct.limits > 0);
+  REQUIRE(direct.contacts > 0);
+  CHECK(direct.not_converged == 0);
+  CHECK(multigrid.not_converged == 0);
+  CHECK(multigrid.ratio <= 1.001);
+  CHECK((multigrid.state.positions - direct.state.positions).cwiseAbs().maxCoeff() <= 2e-3 * 0.05);
+}
+
+TEST_CASE("a free turning body on multigrids gains the momentum of gravity and no other") {
+  Body body = test::make_block({9, 6, 6}, {0, 5, 0}, 0.1);
+  body.velocity = {1, 2, 3};
+  body.spin = {1, -2, 0.5};
+  const Model model = make_model({body}, {});
+  const State start = rest_state(model);
+  const int steps = 20;
+  const Run run_ = run(model, LinearSolver::multigrid, steps, 1.0 / 600);
+  const Vector3d gained = test::total_mass(model) * steps / 600.0 * Vector3d(0, -9.81, 0);
+  const Vector3d before = test::momentum(model, start);
+  CHECK((test::momentum(model, run_.state) - before - gained).norm() <= 1e-4 * before.norm());
+}
+
+TEST_CASE("what multigrids cannot solve is refused by name, and left to the direct solver where it is open") {
+  const Body body = test::turned(test::make_beam(), rotation_from_degrees({10, 0, 0}));
+  const Model model = make_model({body}, {});
+  StepOptions options;
+  CHECK_FALSE(suits_multigrid(model, options.solver));
+  State state = rest_state(model);
+  Workspace workspace(model);
+  CHECK(step(model, options, workspace, state).status == StepStatus::converged);
+  options.solver.linear = LinearSolver::multigrid;
+  const test::Failure failure = test::failure_of([&] { step(model, options, workspace, state); });
+  CHECK(test::contains(failure.message, "no regular lattice"));
+  options.solver.method = SolverMethod::paper;  // has linear systems of its own
+  CHECK_NOTHROW(require_solvable(model, options.solver));
+}
+
+TEST_CASE("on multigrids too a crumpled start finds its shape, by the safety net") {
+  Body body = test::make_block({3, 3, 3}, {0, 1, 0}, 0.1);
+  body.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.2};
+  const Model model = make_model({body}, {});
+  StepOptions options;
+  options.solver.linear = LinearSolver::multigrid;
+  State state = rest_state(model);
+  test::Random random(11);
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    state.positions.row(node) = Eigen::RowVector3d(0.15, 1.15, 0.15) + random.vector(0.15).transpose();
+  StepReport last;
+  test::simulate(model, options, 60, state, [&](const StepReport& report, const State&) { last = report; });
+  CHECK(last.status == StepStatus::converged);
+  CHECK(last.max_energy_ratio <= 1.001);
+  CHECK(state.been_feasible);
+}

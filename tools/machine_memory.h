@@ -1,0 +1,24 @@
+// How much memory there is: what the machine can give, and what the user says.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace umax {
+
+/// [bytes] that this machine can give, without swap; no more than the cgroups (version 2) that we are in leave. root:
+/// where the system's files are.
+long long available_memory(const std::filesystem::path& root = "/");
+
+/// "8G", "500M", "1.5 GiB", "1000000" -> bytes; K, M, G and T are powers of 1024. Nothing where that is no positive
+/// size.
+std::optional<long long> parse_memory(const std::string& text);
+
+/// [bytes] that a job may take: the size that --memory gives, or what the machine has.
+long long usable_memory(const std::optional<std::string>& given);
+
+/// "1.2 GiB", "350 MiB"
+std::string format_memory(double bytes);
+
+}  // namespace umax
