@@ -244,7 +244,8 @@ TEST_CASE("without the plotting library umax tune says how to get it before the 
 TEST_CASE("a tuning that is stopped stops its runs, and goes on when resumed", "[tune]") {
   const TemporaryFolder folder;
   const Words tune = tune_block(folder, two_limits + Words{"--set", "clip.frames=400"});
-  Words stopped{"timeout", "--signal=INT", "2", UMAX_PROGRAM};
+  // in the foreground: one signal, to umax alone; a second one would end it without waiting for its runs
+  Words stopped{"timeout", "--foreground", "--signal=INT", "2", UMAX_PROGRAM};
   CHECK(run_process(stopped + tune).exit_code == 124);  // of timeout: it had to
   const fs::path runs = folder / "out/runs";
   CHECK_FALSE(fs::exists(folder / "out/tune.html"));
