@@ -5,8 +5,6 @@
 // HexTerms. Limits on parts stiffen by their share of the whole at most, so that theirs is an upper bound.
 #pragma once
 
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "core/minimum_residual.h"

@@ -36,7 +36,7 @@ struct Resting {
     set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
   }
 
-  // A, its columns by solving nothing: the operator applied to unit vectors
+  // A, column by column
   MatrixXd matrix() {
     BodyGrid& grid = system.bodies.front();
     const MultigridLevel& level = grid.multigrid.levels.front();
