@@ -9,8 +9,8 @@
 namespace umax {
 namespace {
 
-constexpr double relative_penalty = 1e3;          // rho / U_max
-constexpr int max_inner_iterations = 12;          // factorisations between updates of the multipliers
+constexpr double relative_penalty = 1e3;  // rho / U_max
+constexpr int max_inner_iterations = 12;  // factorisations between updates of the multipliers
 constexpr int max_backtracks = 25;
 constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
 constexpr double clear_violation = 0.01;      // of a limit, or of a penetration ten tolerances deep
@@ -79,7 +79,7 @@ bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget
 
     ++report.sqp_iterations;
     VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
-    step /= std::max(1.0, largest_move(*problem.model, step));  // no node further than one cell
+    step *= bearable_share(*problem.model, step);
 
     if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
       return true;  // as low as rounding lets it

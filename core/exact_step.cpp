@@ -84,12 +84,26 @@ VectorXd limit_change(const StepProblem& problem, const Linearisation& at, const
   return change;
 }
 
-void update_multipliers(const StepProblem& problem, const VectorXd& change, Iterate& iterate) {
+// Terms of the limits that are active: not of those whose multiplier came out negative in the iteration before.
+// Energies are convex, so a step to the linearised limit ends a little beyond it, and such a hex would be held there
+// for ever.
+std::vector<LimitTerms> active_limit_terms(const StepProblem& problem, const Iterate& iterate) {
+  std::vector<LimitTerms> terms = limit_terms(problem, iterate, relative_penalty);
+  for (std::size_t l = 0; l < terms.size(); ++l)
+    if (iterate.released[l]) terms[l] = {};
+  return terms;
+}
+
+void update_multipliers(const StepProblem& problem, const Linearisation& at, const VectorXd& change, double share,
+                        Iterate& iterate) {
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const double limit = problem.limits[l], ratio = iterate.evaluation.energy[l] / limit;
     const double t = iterate.multipliers[l] + relative_penalty * limit * (ratio - 1);
-    iterate.multipliers[l] = t <= 0 ? 0 : std::max(0.0, t + relative_penalty * change[l]);
+    const double next = t + relative_penalty * change[l];
+    const bool active = at.limits[l].rank_one > 0;
+    iterate.multipliers[l] += share * ((active ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
+    iterate.released[l] = active && next < 0;
   }
 }
 
@@ -128,7 +142,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
     ++report.sqp_iterations;
-    const Linearisation at{limit_terms(problem, iterate, relative_penalty), {}};  // contacts are solved for apart
+    const Linearisation at{active_limit_terms(problem, iterate), {}};  // contacts are solved for apart
     NewtonStep newton;
     if (multigrid) {
       newton = minimise_subproblem(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
@@ -138,8 +152,8 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
       newton.limit_change = limit_change(problem, at, newton.step, iterate);
     }
     iterate.last_move = largest_move(model, newton.step);
-    const double share = 1 / std::max(1.0, iterate.last_move);  // no node further than one cell
-    update_multipliers(problem, share * newton.limit_change, iterate);
+    const double share = bearable_share(model, newton.step);
+    update_multipliers(problem, at, newton.limit_change, share, iterate);
     iterate.positions += share * unflatten(newton.step);
   }
 }

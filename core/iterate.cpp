@@ -41,14 +41,36 @@ double energy_scale(const StepProblem& problem, const Iterate& iterate) {
   return sum;
 }
 
+// which bodies nothing holds up: no clamp, and no obstacle in the step before
+std::vector<char> falling_bodies(const Model& model, const State& state) {
+  std::vector<char> falls(model.bodies.size(), 1);
+  for (std::size_t b = 0; b < falls.size(); ++b) {
+    const auto first = model.node_fixed.begin() + model.bodies[b].first_node;
+    if (std::find(first, first + model.bodies[b].num_nodes, 1) != first + model.bodies[b].num_nodes) falls[b] = 0;
+  }
+  for (const State::ContactImpulse& contact : state.contacts) falls[std::size_t(model.hex_body[contact.hex])] = 0;
+  return falls;
+}
+
 }  // namespace
 
 Iterate predict(const StepProblem& problem, const State& state) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
+  const std::vector<char> falls = falling_bodies(model, state);
   Iterate iterate;
-  iterate.positions = problem.positions_t0 + problem.h * problem.velocities_t0;
-  for (Eigen::Index node = 0; node < iterate.positions.rows(); ++node)
-    if (problem.model->node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
+  iterate.positions = problem.positions_t0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    for (int i = 0; i < model.bodies[b].num_nodes; ++i) {
+      const int node = model.bodies[b].first_node + i;
+      if (model.node_fixed[node]) continue;
+      const Eigen::RowVector3d velocity = problem.velocities_t0.row(node);
+      iterate.positions.row(node) +=
+          h * (falls[b] ? Eigen::RowVector3d((velocity + gained) / (1 + h * problem.damping_mass[node])) : velocity);
+    }
   iterate.multipliers = state.limit_multipliers;
+  iterate.released.assign(model.limits.size(), 0);
   iterate.contacts = recall_contacts(problem, state, iterate.positions);
   return iterate;
 }

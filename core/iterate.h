@@ -10,6 +10,7 @@ namespace umax {
 struct Iterate {
   Points positions;               // #N x 3 [m]
   VectorXd multipliers;           // #L force-level [J]
+  std::vector<char> released;     // #L limits that are left out of the next linearisation
   std::vector<Contact> contacts;  // working set, impulses in N s
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
@@ -25,7 +26,8 @@ struct Quality {
   double limit_work = 0;       // [J] that multipliers could do between here and where the limits hold exactly
 };
 
-/// The step's predictor with the multipliers and impulses of the last step.
+/// Where nodes go by inertia, and where nothing holds their body up by gravity; the last step's multipliers and
+/// impulses.
 Iterate predict(const StepProblem& problem, const State& state);
 
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.

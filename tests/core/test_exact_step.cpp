@@ -118,6 +118,40 @@ TEST_CASE("a step that cannot converge in its iterations is halved, reported, an
   CHECK(state.time == Approx(20 * 0.05).epsilon(1e-12));
 }
 
+TEST_CASE("limits that an impact loads and unloads are found in few iterations") {
+  Body block = test::make_block({6, 6, 6}, {0, 0.05, 0}, 0.05);
+  block.material.young = Track<double>(100e3);
+  block.limit.kind = LimitKind::hard;
+  block.limit.unit = LimitUnit::stretch;
+  block.limit.value = Track<double>(0.2);
+  block.velocity = {2, -6, 0};
+  block.spin = {0, 0, 3};
+  const Model model = make_model({block}, {test::make_ground(0.6)});
+  StepOptions options = exact_options();
+  options.time_step = 1.0 / 60;
+  State state = rest_state(model);
+  int iterations = 0, active = 0;
+  test::simulate(model, options, 12, state, [&](const StepReport& report, const State&) {
+    CHECK(report.status == StepStatus::converged);
+    iterations += report.sqp_iterations;
+    active = std::max(active, report.limits_active);
+  });
+  CHECK(active > 20);
+  CHECK(iterations <= 60);  // 259 where limits that would pull are held until they are loosened
+}
+
+TEST_CASE("a free fall is solved before the first iteration, however far a step moves the body") {
+  Body block = test::make_block({2, 2, 2}, {0, 100, 0}, 0.1);
+  block.velocity = {1, -30, 0};
+  block.material.damping_mass = 0.5;
+  const Model model = make_model({block}, {test::make_ground()});
+  State state = rest_state(model);
+  test::simulate(model, exact_options(), 10, state, [](const StepReport& report, const State&) {
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.sqp_iterations == 0);
+  });
+}
+
 TEST_CASE("where the SQP gives up, the line search finds the same steps") {
   Body beam = test::make_beam();
   test::limit_energy(beam, 0.1);
