@@ -14,6 +14,7 @@ namespace umax {
 namespace {
 
 constexpr double relative_penalty = 1e4;      // rho / U_max
+constexpr double hold = 10;                   // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
 constexpr int max_contact_rounds = 10;        // detections per factorisation
 constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
 constexpr double reordering_margin = 1;       // [cells]
@@ -84,13 +85,18 @@ VectorXd limit_change(const StepProblem& problem, const Linearisation& at, const
   return change;
 }
 
-// Terms of the limits that are active: not of those whose multiplier came out negative in the iteration before.
+// Terms of the limits that the next iteration holds: not of those whose multiplier came out negative in the one before.
 // Energies are convex, so a step to the linearised limit ends a little beyond it, and such a hex would be held there
-// for ever.
-std::vector<LimitTerms> active_limit_terms(const StepProblem& problem, const Iterate& iterate) {
+// for ever. Whether a limit is held must not depend on the penalty: a large one lets go at a hair's breadth below the
+// limit.
+std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const Iterate& iterate) {
   std::vector<LimitTerms> terms = limit_terms(problem, iterate, relative_penalty);
-  for (std::size_t l = 0; l < terms.size(); ++l)
-    if (iterate.released[l]) terms[l] = {};
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    if (problem.model->limits[l].kind != LimitKind::hard) continue;
+    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l], multiplier = iterate.multipliers[l];
+    const bool held = !iterate.released[l] && multiplier + hold * (energy - limit) > 0;
+    terms[l] = held ? held_limit_terms(energy, limit, multiplier, relative_penalty * limit) : LimitTerms{};
+  }
   return terms;
 }
 
@@ -98,12 +104,10 @@ void update_multipliers(const StepProblem& problem, const Linearisation& at, con
                         Iterate& iterate) {
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
-    const double limit = problem.limits[l], ratio = iterate.evaluation.energy[l] / limit;
-    const double t = iterate.multipliers[l] + relative_penalty * limit * (ratio - 1);
-    const double next = t + relative_penalty * change[l];
-    const bool active = at.limits[l].rank_one > 0;
-    iterate.multipliers[l] += share * ((active ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
-    iterate.released[l] = active && next < 0;
+    const bool held = at.limits[l].rank_one > 0;
+    const double next = at.limits[l].force * problem.limits[l] + relative_penalty * change[l];
+    iterate.released[l] = held && next < 0;
+    iterate.multipliers[l] += share * ((held ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
   }
 }
 
@@ -142,7 +146,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
     ++report.sqp_iterations;
-    const Linearisation at{active_limit_terms(problem, iterate), {}};  // contacts are solved for apart
+    const Linearisation at{sequential_limit_terms(problem, iterate), {}};  // contacts are solved for apart
     NewtonStep newton;
     if (multigrid) {
       newton = minimise_subproblem(problem, at, gradient(problem, iterate, at), iterate, workspace, report);

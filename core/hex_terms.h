@@ -1,7 +1,7 @@
 // Terms g g^T that each live on the nodes of one hex: what active limits and touching contacts add to the matrix.
 //
 // They may be 1e4 times stiffer than what is around them, more than any multigrid bears; so they stay outside of A, as
-// rows of a saddle-point system (core/minimum_residual.h).
+// rows of a saddle-point system (core/saddle_point.h).
 #pragma once
 
 #include <array>

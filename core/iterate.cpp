@@ -109,7 +109,7 @@ VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
 Quality assess(const StepProblem& problem, const Iterate& iterate) {
   const Model& model = *problem.model;
   Quality quality;
-  // any hex beyond its limit may be pushed as hard as the hardest pushed one is, in this step or the next
+  // a hex beyond its limit that is not pushed yet may be pushed as hard as the hardest pushed one is
   const double largest = iterate.multipliers.size() ? iterate.multipliers.maxCoeff() : 0;
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
     if (model.limits[l].kind != LimitKind::hard) continue;
@@ -117,7 +117,9 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
     quality.max_ratio = std::max(quality.max_ratio, ratio);
     if (iterate.multipliers[l] > problem.options->solver.tolerance * problem.limits[l])
       quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
-    if (iterate.multipliers[l] > 0 || ratio > 1) quality.limit_work += largest * std::abs(1 - ratio);
+    const double multiplier = iterate.multipliers[l];
+    if (multiplier > 0 || ratio > 1)
+      quality.limit_work += (multiplier > 0 ? multiplier : largest) * std::abs(1 - ratio);
   }
   for (const Contact& contact : iterate.contacts)
     quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));

@@ -25,11 +25,15 @@ struct SoftLimitOptions {
   double delta = 1e-3;  // [-] distance to the limit below which the barrier is quadratic
 };
 
-/// multiplier: force-level lambda [J]; penalty: rho [J].
+/// Of a limit that is held, beyond it or not. multiplier: force-level lambda [J]; penalty: rho [J].
+inline LimitTerms held_limit_terms(double energy, double limit, double multiplier, double penalty) {
+  return {(multiplier + penalty * (energy / limit - 1)) / limit, multiplier / limit, penalty / (limit * limit)};
+}
+
+/// The same where it is active, nothing elsewhere.
 inline LimitTerms hard_limit_terms(double energy, double limit, double multiplier, double penalty) {
-  const double t = multiplier + penalty * (energy / limit - 1);
-  if (t <= 0) return {};
-  return {t / limit, multiplier / limit, penalty / (limit * limit)};
+  const LimitTerms held = held_limit_terms(energy, limit, multiplier, penalty);
+  return held.force > 0 ? held : LimitTerms{};
 }
 
 /// Value [J] of the augmented term whose slope is hard_limit_terms().force.

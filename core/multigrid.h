@@ -19,7 +19,7 @@ namespace umax {
 
 struct MultigridOptions {
   int degree = 2;              // of the smoothing polynomials; more: fewer, dearer iterations
-  double local_contrast = 30;  // [-] of a hex with its neighbours from which it is solved for by itself
+  double local_contrast = 100; // [-] of a hex with its neighbours from which it is solved for by itself
   InstructionSet instruction_set = best_instruction_set();
 };
 

@@ -9,24 +9,26 @@ namespace umax {
 namespace {
 
 constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
-constexpr int max_corrections = 25;
-constexpr int max_contact_rounds = 6;  // detections per linearisation
-constexpr int max_sweeps = 50;
+constexpr int max_corrections = 12;
+constexpr double least_correction = 1e-2, most_correction = 0.05;  // [-] accuracies of what corrects contact forces,
+constexpr double correction_margin = 0.3;                          // by what of them is bearable
+constexpr int max_contact_rounds = 6;                              // detections per linearisation
+constexpr int max_sweeps = 200;
+constexpr double sweep_share = 0.01;  // of what is bearable
 
-// How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more. Coarser ones let weak
-// limits come and go, finer ones gain nothing.
+// How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more.
 struct Accuracy {
-  double first = 1e-5;       // [-] of the first linear solve
-  double correction = 1e-3;  // [-] of those that correct contact forces
-  double settled = 1e-4;     // [-] change of the forces at which contacts are solved
-  bool final = true;         // contacts must be as shallow as the solution's
+  double first = 2e-4;    // [-] of the first linear solve
+  double settled = 1e-3;  // [-] change of the forces at which contacts are solved
+  bool final = true;      // contacts must be as shallow as the solution's
 };
 
 Accuracy accuracy_at(double kkt_residual) {
+  constexpr double near = 1e-2;      // KKT residual from which on everything is solved finely
+  constexpr double most_relief = 5;  // of the first linear solve, beyond that of the forces
   Accuracy accuracy;
-  const double coarser = std::clamp(kkt_residual / 1e-2, 1.0, 100.0);
-  accuracy.first *= coarser;
-  accuracy.correction *= std::min(10.0, coarser);
+  const double coarser = std::clamp(kkt_residual / near, 1.0, 100.0);
+  accuracy.first *= coarser * std::min(most_relief, coarser);
   accuracy.settled *= coarser;
   accuracy.final = coarser == 1;
   return accuracy;
@@ -70,10 +72,9 @@ VectorXd known_forces(const StepProblem& problem, const std::vector<Contact>& co
 
 // what a change of forces does to the step
 ContactSolution response(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
-                         const VectorXd& change, const Accuracy& accuracy, Workspace::Data& workspace,
-                         StepReport& report) {
-  NewtonStep newton = solve_multigrid(problem, at, -push_of(*problem.model, iterate.contacts, change), false,
-                                      accuracy.correction, workspace, report);
+                         const VectorXd& change, double accuracy, Workspace::Data& workspace, StepReport& report) {
+  NewtonStep newton = solve_multigrid(problem, at, -push_of(*problem.model, iterate.contacts, change), false, accuracy,
+                                      workspace, report);
   return {change, std::move(newton.step), std::move(newton.limit_change)};
 }
 
@@ -105,37 +106,28 @@ bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vec
 void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate& iterate, const Accuracy& accuracy,
                     double& scale, Workspace::Data& workspace, StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
-  const MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
+  MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
+  compliance.scale = scale;
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
-  ContactSolution ahead = solution;  // extrapolated
-  double momentum = 1;
   for (int i = 0; i < max_corrections; ++i) {
-    const VectorXd w = fixed + motions_of(model, iterate.contacts, ahead.step);
-    VectorXd forces = ahead.forces;
-    gauss_seidel(compliance, scale, rows, w - scale * apply(compliance, ahead.forces),
-                 {.max_sweeps = max_sweeps, .tolerance = 0.1 * accuracy.settled}, forces);
-    const VectorXd change = forces - ahead.forces;
-    const double largest = forces.cwiseAbs().maxCoeff();
-    if (change.cwiseAbs().maxCoeff() <= accuracy.settled * largest &&
-        (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution)))
-      break;
-    const ContactSolution correction = response(problem, at, iterate, change, accuracy, workspace, report);
+    const VectorXd w = fixed + motions_of(model, iterate.contacts, solution.step);
+    VectorXd forces = solution.forces;
+    gauss_seidel(compliance, rows, w - apply(compliance, forces),
+                 {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
+    const VectorXd change = forces - solution.forces;
+    const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
+    if (missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution))) break;
+    const double share_of_change =
+        std::clamp(correction_margin * bearable / missing, least_correction, most_correction);
+    const ContactSolution correction = response(problem, at, iterate, change, share_of_change, workspace, report);
+    const VectorXd motion = motions_of(model, iterate.contacts, correction.step);
     // the largest share that cannot overshoot: curvature met over curvature assumed
-    const double met = change.dot(motions_of(model, iterate.contacts, correction.step));
-    const double assumed = scale * change.dot(apply(compliance, change));
-    const double share = met > assumed ? assumed / met : 1;
-    ContactSolution next = plus(ahead, share, correction);
-    scale *= met > assumed ? met / assumed : std::max(0.7, met / assumed);
-    const VectorXd forward = next.forces - solution.forces;
-    if (change.dot(forward) < 0) momentum = 1;  // it turned round: restart
-    const double before = momentum;
-    momentum = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-    const double beta = (before - 1) / momentum;
-    ahead = plus(next, beta,
-                 ContactSolution{forward, next.step - solution.step, next.limit_change - solution.limit_change});
-    solution = std::move(next);
+    const double met = change.dot(motion), assumed = change.dot(apply(compliance, change));
+    solution = plus(solution, met > assumed ? assumed / met : 1, correction);
+    learn(change, motion, compliance);
   }
+  scale = compliance.scale;
 }
 
 }  // namespace

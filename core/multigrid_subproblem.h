@@ -2,8 +2,8 @@
 //
 //   dx = K^-1 (J^T f - grad),   w = J dx + ...:   gap + n.w >= 0  perp  f_n >= 0,   friction in Coulomb's cone
 // Proximal iterations: the contacts are solved against the multilevel compliance (core/multilevel_compliance.h) instead
-// of J K^-1 J^T, which one linear solve then corrects, along the whole change of the forces at once; accelerated as by
-// Nesterov, with restarts. The compliance is scaled so that no iteration overshoots.
+// of J K^-1 J^T. One linear solve then tells what the whole change of the forces does, which the compliance learns; it
+// is scaled so that no iteration overshoots.
 #pragma once
 
 #include "core/newton_system.h"

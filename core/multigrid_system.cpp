@@ -47,7 +47,7 @@ BodyGrid make_body_grid(const Model& model, const Model::BodyRange& body) {
   grid.positions = AlignedArray<double>(lattice.num_slots() * vector_components);
   grid.b = AlignedArray<float>(lattice.num_slots() * vector_components);
   grid.x = AlignedArray<float>(lattice.num_slots() * vector_components);
-  grid.workspace = make_residual_workspace(grid.multigrid);
+  grid.workspace = make_saddle_point_workspace(grid.multigrid);
   return grid;
 }
 
@@ -141,7 +141,7 @@ void set_up(const StepProblem& problem, const Points& positions, const VectorXd&
   set_terms(*problem.model, terms, system);
 }
 
-LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const MinimumResidualOptions& options,
+LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,
                      MultigridSystem& system) {
   LinearSolution solution{VectorXd::Zero(3 * model.num_nodes()), {}, 0};
   Eigen::Index num_terms = 0;

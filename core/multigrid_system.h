@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "core/minimum_residual.h"
+#include "core/saddle_point.h"
 #include "core/step_problem.h"
 
 namespace umax {
@@ -18,7 +18,7 @@ struct BodyGrid {
   AlignedArray<float> stiffness;   // per cell [Pa]
   AlignedArray<double> positions;  // per node [m]
   AlignedArray<float> b, x;        // right-hand side and solution
-  MinimumResidualWorkspace workspace;
+  SaddlePointWorkspace workspace;
   HexTerms terms;
 };
 
@@ -48,7 +48,7 @@ struct LinearSolution {
 
 /// x ~ (A + sum g g^T)^-1 b for b of 3 #N, zero at fixed nodes. with_offsets: b holds the terms' forces -g offset,
 /// which may be too large to leave them to rounding.
-LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const MinimumResidualOptions& options,
+LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,
                      MultigridSystem& system);
 
 }  // namespace umax

@@ -1,11 +1,16 @@
 #include "core/multilevel_compliance.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 namespace umax {
 namespace {
+
+constexpr Eigen::Index most_measurements = 8;
+constexpr double least_independence = 0.1;  // [-] of a measured force from the others, in the norm of the response
+constexpr double slowest_fall = 0.7;        // of the scale
 
 using Share = MultilevelCompliance::Share;
 
@@ -157,6 +162,16 @@ Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompl
   return sum;
 }
 
+// J B J^T f
+VectorXd apply_unmeasured(const MultilevelCompliance& compliance, const VectorXd& forces) {
+  Motion motion = at_rest(compliance);
+  const int count = int(compliance.points.size());
+  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
+  VectorXd motions(forces.size());
+  for (int i = 0; i < count; ++i) motions.segment<3>(3 * i) = motion_of(compliance, i, motion);
+  return motions;
+}
+
 }  // namespace
 
 MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
@@ -172,21 +187,65 @@ MultilevelCompliance make_multilevel_compliance(const Model& model, const Multig
 }
 
 VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces) {
-  Motion motion = at_rest(compliance);
-  const int count = int(compliance.points.size());
-  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
-  VectorXd motions(forces.size());
-  for (int i = 0; i < count; ++i) motions.segment<3>(3 * i) = motion_of(compliance, i, motion);
+  VectorXd motions = compliance.scale * apply_unmeasured(compliance, forces);
+  if (compliance.factors.cols() > 0)
+    motions += compliance.factors * (compliance.middle * (compliance.factors.transpose() * forces));
   return motions;
 }
 
-int gauss_seidel(const MultilevelCompliance& compliance, double scale, const std::vector<ContactRow>& rows,
-                 const VectorXd& q, const GaussSeidelOptions& options, VectorXd& forces) {
+void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance) {
+  const VectorXd assumed = apply_unmeasured(compliance, forces);
+  const double met = forces.dot(response), expected = forces.dot(assumed);
+  if (!(met > 0 && expected > 0)) return;
+  compliance.scale = std::max(met / expected, slowest_fall * compliance.scale);
+  const double size = 1 / std::sqrt(met);  // S^T Y has ones on its diagonal
+  Eigen::Index first = compliance.forces.cols() == most_measurements ? 1 : 0;
+  const Eigen::Index kept = compliance.forces.cols();
+  MatrixXd S(forces.size(), kept + 1), Y(forces.size(), kept + 1), BS(forces.size(), kept + 1);
+  if (kept > 0) {
+    S.leftCols(kept) = compliance.forces;
+    Y.leftCols(kept) = compliance.responses;
+    BS.leftCols(kept) = compliance.factors.leftCols(kept);
+  }
+  S.col(kept) = size * forces;
+  Y.col(kept) = size * response;
+  BS.col(kept) = size * assumed;
+  for (; first <= kept; ++first) {  // without the oldest ones that the others nearly contain
+    const Eigen::Index count = kept + 1 - first;
+    const auto s = S.rightCols(count), y = Y.rightCols(count), bs = BS.rightCols(count);
+    MatrixXd SY = s.transpose() * y, SBS = s.transpose() * bs;
+    SY = (0.5 * (SY + SY.transpose())).eval();
+    SBS = (0.5 * (SBS + SBS.transpose())).eval();
+    const Eigen::LLT<MatrixXd> met_factor(SY), assumed_factor(SBS);
+    if (met_factor.info() != Eigen::Success || assumed_factor.info() != Eigen::Success) continue;
+    if (MatrixXd(met_factor.matrixL()).diagonal().minCoeff() < least_independence) continue;
+    const MatrixXd one = MatrixXd::Identity(count, count);
+    compliance.middle = MatrixXd::Zero(2 * count, 2 * count);
+    compliance.middle.topLeftCorner(count, count) = -compliance.scale * assumed_factor.solve(one);
+    compliance.middle.bottomRightCorner(count, count) = met_factor.solve(one);
+    compliance.factors.resize(forces.size(), 2 * count);
+    compliance.factors << bs, y;
+    compliance.forces = s;
+    compliance.responses = y;
+    return;
+  }
+}
+
+int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+                 const GaussSeidelOptions& options, VectorXd& forces) {
   const int count = int(rows.size());
+  const MatrixXd &factors = compliance.factors, &middle = compliance.middle;
+  const bool measured = factors.cols() > 0;
   std::vector<ContactBlock> blocks;
-  for (int i = 0; i < count; ++i) blocks.push_back(make_contact_block(scale * compliance.blocks[i], rows[i].normal));
+  for (int i = 0; i < count; ++i) {
+    Matrix3d block = compliance.scale * compliance.blocks[i];
+    if (measured) block += factors.middleRows<3>(3 * i) * middle * factors.middleRows<3>(3 * i).transpose();
+    blocks.push_back(make_contact_block(block, rows[i].normal));
+  }
   Motion motion = at_rest(compliance);
-  for (int i = 0; i < count; ++i) push(compliance, i, scale * forces.segment<3>(3 * i), motion);
+  for (int i = 0; i < count; ++i) push(compliance, i, compliance.scale * forces.segment<3>(3 * i), motion);
+  VectorXd shares = VectorXd::Zero(factors.cols());  // middle factors^T f
+  if (measured) shares = middle * (factors.transpose() * forces);
   int sweeps = 0;
   double change = 1, size = 0;
   while (sweeps < options.max_sweeps && change > options.tolerance * size) {
@@ -194,9 +253,13 @@ int gauss_seidel(const MultilevelCompliance& compliance, double scale, const std
     change = size = 0;
     for (int i = 0; i < count; ++i) {
       const Vector3d old = forces.segment<3>(3 * i);
-      const Vector3d w = q.segment<3>(3 * i) + motion_of(compliance, i, motion);
+      Vector3d w = q.segment<3>(3 * i) + motion_of(compliance, i, motion);
+      if (measured) w += factors.middleRows<3>(3 * i) * shares;
       const Vector3d next = relaxed_force(rows[i], blocks[i], w, old);
-      if (next != old) push(compliance, i, scale * (next - old), motion);
+      if (next != old) {
+        push(compliance, i, compliance.scale * (next - old), motion);
+        if (measured) shares += middle * (factors.middleRows<3>(3 * i).transpose() * (next - old));
+      }
       forces.segment<3>(3 * i) = next;
       change = std::max(change, (next - old).cwiseAbs().maxCoeff());
       size = std::max(size, next.cwiseAbs().maxCoeff());

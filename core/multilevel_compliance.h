@@ -3,7 +3,9 @@
 //   B = sum over levels of P D^-1 P^T,   on the last one P A^-1 P^T          Bramble, Pasciak, Xu 1990
 // A contact's force moves eight nodes on each level and no more, so that a Gauss-Seidel sweep over thousands of
 // contacts costs next to nothing, where a Delassus matrix could not even be stored. Up to a factor it is the Delassus
-// matrix.
+// matrix; responses that were measured make it exact along their forces, in the manner of BFGS:
+//
+//   W = s B - s B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did        Nocedal, Wright 2006
 #pragma once
 
 #include <array>
@@ -28,17 +30,24 @@ struct MultilevelCompliance {
   std::vector<Point> points;       // one per contact
   std::vector<Matrix3d> inverses;  // D^-1 of the nodes that contacts touch, of all levels
   std::vector<MatrixXd> last;      // per body: A^-1 between the touched nodes of its last level
-  std::vector<Matrix3d> blocks;    // per contact: its own motion under its own force
+  std::vector<Matrix3d> blocks;    // per contact: its own motion under its own force, of B
+  double scale = 1;                // s
+  MatrixXd forces, responses;      // S, Y: a column for each measurement
+  MatrixXd factors;                // B S beside Y
+  MatrixXd middle;                 // so that W = s B + factors middle factors^T
 };
 
 MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
                                                 const std::vector<Contact>& contacts);
 
-/// The motions J B J^T f of contact points under forces f (3 per contact).
+/// The motions W f of contact points under forces f (3 per contact).
 VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces);
 
-/// Projected Gauss-Seidel for W = scale J B J^T: improves the forces in place. Returns the sweeps.
-int gauss_seidel(const MultilevelCompliance& compliance, double scale, const std::vector<ContactRow>& rows,
-                 const VectorXd& q, const GaussSeidelOptions& options, VectorXd& forces);
+/// Makes W f the response. The scale becomes no less than what the response shows, and falls slowly.
+void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance);
+
+/// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.
+int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+                 const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

@@ -200,7 +200,7 @@ VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Line
   VectorXd sum = inertia_gradient(problem, iterate.positions) + gather(model, iterate.evaluation.elastic) +
                  gather(model, iterate.evaluation.damping);
   for (std::size_t l = 0; l < at.limits.size(); ++l)
-    if (at.limits[l].force > 0)
+    if (at.limits[l].force != 0)
       for (int n = 0; n < 8; ++n)
         sum.segment<3>(3 * model.hexes(model.limits[l].hex, n)) +=
             at.limits[l].force * iterate.evaluation.limit_gradient(model, Eigen::Index(l)).segment<3>(3 * n);

@@ -75,7 +75,7 @@ VectorXd dense_term(const Model& model, const HexTerm& term) {
 
 }  // namespace
 
-TEST_CASE("minimum residuals solve with terms 1e6 times stiffer than the matrix, in few iterations") {
+TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
   const Model model = Resting().model;
   const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e10);
   Resting resting(terms);
@@ -100,7 +100,7 @@ TEST_CASE("a stiff term's force may stand in the right-hand side or be taken out
   Resting resting(terms);
   VectorXd b = VectorXd::Ones(3 * model.num_nodes());
   for (const HexTerm& term : terms) b -= term.offset * dense_term(model, term);
-  const MinimumResidualOptions options{.tolerance = 1e-7};
+  const SaddlePointOptions options{.tolerance = 1e-7};
   const LinearSolution within = solve(model, b, false, options, resting.system);
   const LinearSolution taken_out = solve(model, b, true, options, resting.system);
   CHECK((within.x - taken_out.x).norm() <= 1e-4 * within.x.norm());
@@ -124,20 +124,62 @@ TEST_CASE("the multilevel compliance is the Delassus matrix up to a small factor
   CHECK(eigen.eigenvalues().maxCoeff() <= 3);
 }
 
+namespace {
+
+MatrixXd matrix_of(const MultilevelCompliance& compliance, Eigen::Index size) {
+  MatrixXd W(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) W.col(i) = apply(compliance, VectorXd::Unit(size, i));
+  return W;
+}
+
+// what `count` random forces really do
+void learn_random(Resting& resting, int count, MultilevelCompliance& compliance) {
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  MatrixXd J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    spread(resting.model, resting.contacts[std::size_t(i / 3)], Vector3d::Unit(i % 3), J.col(i));
+  const MatrixXd delassus = J.transpose() * resting.matrix().ldlt().solve(J);
+  test::Random random(11);
+  for (int n = 0; n < count; ++n) {
+    VectorXd force(size);
+    for (double& value : force) value = random.uniform(-1, 1);
+    learn(force, delassus * force, compliance);
+    CHECK((apply(compliance, force) - delassus * force).norm() <= 1e-9 * (delassus * force).norm());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a compliance that has learnt responses gives them again, and stays symmetric and positive definite") {
+  Resting resting;
+  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  learn_random(resting, 12, compliance);
+  CHECK(compliance.forces.cols() == 8);  // the last ones
+  const MatrixXd W = matrix_of(compliance, 3 * Eigen::Index(resting.contacts.size()));
+  CHECK((W - W.transpose()).cwiseAbs().maxCoeff() <= 1e-6 * W.cwiseAbs().maxCoeff());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(W, Eigen::EigenvaluesOnly);
+  CHECK(eigen.eigenvalues().minCoeff() > 0);
+
+  const VectorXd again = compliance.forces.col(7);
+  learn(again, compliance.responses.col(7), compliance);  // nothing new: told twice
+  CHECK((apply(compliance, again) - compliance.responses.rightCols(1)).norm() <= 1e-9);
+}
+
 TEST_CASE("sweeps over the multilevel compliance end where those over its matrix do") {
   Resting resting;
-  const MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
   const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  compliance.scale = 1.5;
+  learn_random(resting, GENERATE(0, 3), compliance);
   ComplementarityProblem problem;
-  problem.W.resize(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) problem.W.col(i) = 1.5 * apply(compliance, VectorXd::Unit(size, i));
+  problem.W = matrix_of(compliance, size);
   test::Random random(5);
   problem.q.resize(size);
   for (double& value : problem.q) value = random.uniform(-2, 1) * 1e-3;
   for (const Contact& contact : resting.contacts) problem.contacts.push_back({contact.normal, contact.friction, 0});
   VectorXd expected = VectorXd::Zero(size), forces = expected;
   REQUIRE(gauss_seidel(problem, {.max_sweeps = 20000, .tolerance = 1e-10}, expected).converged);
-  gauss_seidel(compliance, 1.5, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
+  gauss_seidel(compliance, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
   CHECK(expected.maxCoeff() > 0);
   CHECK((forces - expected).cwiseAbs().maxCoeff() <= 1e-5 * expected.cwiseAbs().maxCoeff());
 }

@@ -1,0 +1,145 @@
+#include "core/saddle_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace umax {
+namespace {
+
+constexpr double first_gamma = 4;   // smaller: fewer iterations where the multigrid is as good as that
+constexpr double last_gamma = 1e4;  // beyond it rounding is all that is left
+
+// calls body(first, end), which returns a double, for values of node vectors in parallel; the sum of the results
+template <class Body>
+double over_values(const BrickLattice& lattice, const Body& body) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  return for_each_column(lattice, [&](int first, int last) { return body(first * brick_values, last * brick_values); });
+}
+
+double dot(const BrickLattice& lattice, const AlignedArray<float>& a, const AlignedArray<float>& b) {
+  return over_values(lattice, [&](std::size_t first, std::size_t end) {
+    double sums[brick_lanes] = {};
+    for (std::size_t i = first; i < end; i += brick_lanes)
+      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
+    double total = 0;
+    for (const double sum : sums) total += sum;
+    return total;
+  });
+}
+
+void scale(const BrickLattice& lattice, float factor, const AlignedArray<float>& x, AlignedArray<float>& out) {
+  over_values(lattice, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) out[i] = factor * x[i];
+    return 0.0;
+  });
+}
+
+// the direction from the residual's image and the direction before; force = A d
+void turn(const BrickLattice& lattice, float beta, SaddlePointWorkspace& w) {
+  const float *solved = w.solved.data(), *applied = w.applied.data();
+  float *d = w.direction.data(), *Ad = w.direction_applied.data(), *force = w.force.data();
+  over_values(lattice, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      d[i] = solved[i] + beta * d[i];
+      force[i] = Ad[i] = applied[i] + beta * Ad[i];
+    }
+    return 0.0;
+  });
+}
+
+// x and what belongs to it, along the direction; image: B force
+void advance(const BrickLattice& lattice, float alpha, float gamma, const AlignedArray<float>& image,
+             SaddlePointWorkspace& w, AlignedArray<float>& solution) {
+  const float *d = w.direction.data(), *force = w.force.data(), *from = image.data();
+  float *x = solution.data(), *r = w.residual.data(), *solved = w.solved.data();
+  const float back = alpha * gamma;
+  over_values(lattice, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      x[i] += alpha * d[i];
+      r[i] -= alpha * force[i];
+      solved[i] -= back * from[i];
+    }
+    return 0.0;
+  });
+}
+
+}  // namespace
+
+SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid) {
+  const std::size_t size = multigrid.levels.front().lattice.num_slots() * vector_components;
+  SaddlePointWorkspace workspace;
+  for (AlignedArray<float>* v : {&workspace.residual, &workspace.solved, &workspace.applied, &workspace.direction,
+                                 &workspace.direction_applied, &workspace.force})
+    *v = AlignedArray<float>(size);
+  return workspace;
+}
+
+SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const SaddlePointOptions& options,
+                        const AlignedArray<float>& b, const VectorXd& c, SaddlePointWorkspace& workspace,
+                        AlignedArray<float>& x, VectorXd& y) {
+  MultigridLevel& level = multigrid.levels.front();
+  const BrickLattice& lattice = level.lattice;
+  SaddlePointWorkspace& w = workspace;
+  for (AlignedArray<float>* zero : {&x, &w.direction, &w.direction_applied}) std::fill(zero->begin(), zero->end(), 0.f);
+  std::copy(b.begin(), b.end(), w.residual.begin());
+  // of the terms: s = c - G^T x + y, the direction e, G^T of what the nodes have
+  VectorXd s = c, e = VectorXd::Zero(c.size()), preconditioned = e, of_solved = e, of_direction = e, of_image = e;
+  y = e;
+
+  double gamma = first_gamma, product = 0, first = 0, before = 0;
+  bool fresh = false;
+  const auto restart = [&] {  // from the residual, along it
+    scale(lattice, float(gamma), precondition(multigrid, w.residual, product), w.solved);
+    multiply(terms, w.solved, of_solved);
+    before = 0;
+    fresh = true;
+  };
+  const auto enlarge = [&] {
+    gamma *= 2;
+    restart();
+    return gamma <= last_gamma;
+  };
+  restart();
+  SaddlePointReport report;
+  while (report.iterations < options.max_iterations) {
+    const double applied = apply(level.op, level.matrix, w.solved, w.applied);
+    const VectorXd of_terms = of_solved - s;
+    precondition(terms, of_terms, preconditioned);
+    const double norm = applied - dot(lattice, w.residual, w.solved) + of_terms.dot(preconditioned);  // squared
+    if (norm == 0) break;
+    if (!(norm > 0)) {  // A0 is not smaller than A, or rounding has parted the residual from its image
+      if (!fresh)
+        restart();
+      else if (!enlarge())
+        break;
+      continue;
+    }
+    if (first == 0) first = norm;
+    report.residual = std::sqrt(norm / first);
+    if (report.residual <= options.tolerance) break;
+    ++report.iterations;
+    const double beta = before > 0 ? norm / before : 0;
+    before = norm;
+    fresh = false;
+    turn(lattice, float(beta), w);
+    e = preconditioned + beta * e;
+    of_direction = of_solved + beta * of_direction;
+    if (e.size() > 0) add(terms, e, w.force);
+    const AlignedArray<float>& image = precondition(multigrid, w.force, product);
+    multiply(terms, image, of_image);
+    const double curvature =
+        gamma * product - dot(lattice, w.direction, w.force) - e.dot(of_direction) + e.squaredNorm();
+    if (!(curvature > 0)) {
+      if (!enlarge()) break;
+      continue;
+    }
+    const double alpha = norm / curvature;
+    advance(lattice, float(alpha), float(gamma), image, w, x);
+    y += alpha * e;
+    of_solved -= alpha * gamma * of_image;
+    s -= alpha * (of_direction - e);
+  }
+  return report;
+}
+
+}  // namespace umax

@@ -1,0 +1,39 @@
+// Conjugate gradients for  (A + G G^T) x = b + G c  as the saddle-point system
+//
+//   [ A    G ] [x]   [b]
+//   [ G^T -I ] [y] = [c],   preconditioned by the multigrid for A and diag(1 + g^T A^-1 g) for the rest
+// Multiplied by [A0^-1, 0; G^T A0^-1, -I] the system is symmetric and positive definite in the inner product with A -
+// A0, if A0 = B^-1 / gamma is smaller than A, B the multigrid: gamma grows where that turns out to be wrong. The count
+// of iterations depends little on how stiff the terms G are, and is half that of minimum residuals. Bramble and Pasciak
+// 1988; Elman, Silvester, Wathen (2014), Finite Elements and Fast Iterative Solvers, ch. 4.
+#pragma once
+
+#include "core/hex_terms.h"
+#include "core/multigrid.h"
+
+namespace umax {
+
+struct SaddlePointOptions {
+  double tolerance = 1e-3;  // [-] fall of the residual in the inner product's norm
+  int max_iterations = 300;
+};
+
+struct SaddlePointReport {
+  int iterations = 0;
+  double residual = 0;  // [-] what it fell to
+};
+
+/// Memory that solve() works in.
+struct SaddlePointWorkspace {
+  AlignedArray<float> residual, solved, applied;            // r = b - A x - G y, A0^-1 r, A A0^-1 r
+  AlignedArray<float> direction, direction_applied, force;  // d, A d, A d + G e of the direction (d, e)
+};
+SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid);
+
+/// Solves from x = 0 with the finest level's matrix, which set_up() has seen; b is zero at nodes that are not free.
+/// y = G^T x - c is as exact as x is, though G x would cancel.
+SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const SaddlePointOptions& options,
+                        const AlignedArray<float>& b, const VectorXd& c, SaddlePointWorkspace& workspace,
+                        AlignedArray<float>& x, VectorXd& y);
+
+}  // namespace umax
