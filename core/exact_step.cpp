@@ -132,7 +132,10 @@ std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate&
 bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
                           StepReport& report) {
   const Model& model = *problem.model;
-  const bool multigrid = uses_multigrid(model, problem.options->solver);
+  const SolverOptions& solver = problem.options->solver;
+  const bool multigrid = uses_multigrid(model, solver);
+  // what comes after failure is dearer without a factor
+  const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     if (report.sqp_iterations < normal_updates)
@@ -144,7 +147,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     report.kkt_residual = quality.kkt;
     tell(problem, report.sqp_iterations, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
-    if (report.sqp_iterations == problem.options->solver.max_newton_iterations) return false;
+    if (report.sqp_iterations == most) return false;
     ++report.sqp_iterations;
     const Linearisation at{sequential_limit_terms(problem, iterate), {}};  // contacts are solved for apart
     NewtonStep newton;

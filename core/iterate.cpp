@@ -13,6 +13,7 @@ namespace {
 // A limit that holds to its tolerance may still give or take energy; more than this share of the tolerance of all the
 // energy there is would show as energy that rises from nowhere.
 constexpr double negligible_work = 1e-4;
+constexpr double hidden_work = 0.1;    // share of what the integrator loses in the step anyway
 constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
 
 // the body's rest shape, moved and turned to where its nodes are
@@ -39,6 +40,23 @@ double energy_scale(const StepProblem& problem, const Iterate& iterate) {
     sum += model.node_mass.segment(body.first_node, body.num_nodes).sum() * problem.options->gravity.norm() * diagonal;
   }
   return sum;
+}
+
+// what implicit Euler loses in the step [J]: 1/2 |v1 - v0|^2 by mass
+double integrator_loss(const StepProblem& problem, const Points& positions) {
+  const Model& model = *problem.model;
+  double sum = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    const Eigen::RowVector3d velocity = (positions.row(node) - problem.positions_t0.row(node)) / problem.h;
+    sum += 0.5 * model.node_mass[node] * (velocity - problem.velocities_t0.row(node)).squaredNorm();
+  }
+  return sum;
+}
+
+// work of limits [J] that cannot show
+double bearable_work(const StepProblem& problem, const Iterate& iterate) {
+  return negligible_work * problem.options->solver.tolerance * energy_scale(problem, iterate) +
+         hidden_work * integrator_loss(problem, iterate.positions);
 }
 
 // which bodies nothing holds up: no clamp, and no obstacle in the step before
@@ -131,8 +149,8 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
   return quality.kkt <= tolerance && quality.max_ratio <= 1 + tolerance && quality.complementarity <= tolerance &&
-         quality.limit_work <= negligible_work * tolerance * energy_scale(problem, iterate) &&
-         quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
+         quality.limit_work <= bearable_work(problem, iterate) && quality.depth <= problem.joining_share &&
+         iterate.last_move <= settled_move;
 }
 
 void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {

@@ -27,6 +27,7 @@ struct Benchmark {
 std::vector<Benchmark> simulation_benchmarks();  // bench_simulation.cpp
 std::vector<Benchmark> refinement_benchmarks();  // bench_refinement.cpp: limits on finer cages
 std::vector<Benchmark> multigrid_benchmarks();   // bench_multigrid.cpp
+std::vector<Benchmark> large_cage_benchmarks();  // bench_large_cages.cpp
 std::vector<Benchmark> program_benchmarks();     // bench_program.cpp: the built program, from outside
 std::vector<Benchmark> picture_benchmarks();     // bench_pictures.cpp
 

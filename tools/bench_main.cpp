@@ -76,8 +76,8 @@ int main(int argc, char** argv) {
   }
   const umax::ThreadLimit all_cores(std::nullopt);
   std::vector<Benchmark> all = simulation_benchmarks();
-  for (const std::vector<Benchmark>& more :
-       {refinement_benchmarks(), multigrid_benchmarks(), picture_benchmarks(), program_benchmarks()})
+  for (const std::vector<Benchmark>& more : {refinement_benchmarks(), multigrid_benchmarks(), large_cage_benchmarks(),
+                                             picture_benchmarks(), program_benchmarks()})
     all.insert(all.end(), more.begin(), more.end());
 
   fmt::print("{} processors; figures are medians or means of one run on this machine\n", sysconf(_SC_NPROCESSORS_ONLN));

@@ -110,6 +110,18 @@ BenchRows armadillo_limits() {
   return rows;
 }
 
+// the built-in figure with a fine cage, as far as it takes to land
+BenchRows landing(const std::string& cells, int steps, double ms_limit) {
+  const RunFigures figures = run(prepare("figure", {"body.figure.cage.cells=" + cells}), steps);
+  const std::string what = "figure, " + cells + " hexes";
+  const std::size_t falling = figures.ms.size() - figures.active_ms.size();
+  BenchRows rows{at_most(what + fmt::format(": mean of {} steps", steps), mean(figures.ms), ms_limit, "ms",
+                         fmt::format("{} falling; {:.0f} in contact, at most {} limits, {} contacts", falling,
+                                     mean(figures.active_ms), figures.max_active_limits, figures.max_contacts))};
+  append_limits(what, figures, 1e-3, rows);
+  return rows;
+}
+
 BenchRows flat_figure() {
   const Simulation simulation = prepare("figure", {"body.figure.rotation=[-90,0,0]", "body.figure.drop_height=0.02",
                                                    "body.figure.material.damping_mass=2"});
@@ -269,6 +281,8 @@ std::vector<Benchmark> simulation_benchmarks() {
                           1e-2);
        }},
       {"armadillo-limits", false, true, armadillo_limits},
+      {"figure-3k", false, false, [] { return landing("3000", 59, 1e3); }},
+      {"figure-100k", true, false, [] { return landing("100000", 59, 2e3); }},
       {"flat", false, false, flat_figure},
       {"beam", false, false, beam},
       {"crowded", false, false, crowded_sphere},
