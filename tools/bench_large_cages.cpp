@@ -58,7 +58,7 @@ std::string remark(const TimedStep& timed) {
 }
 
 BenchRows growth() {
-  const auto speed = [](double x) { return 16 * x * x; };
+  const auto speed = [](double x) { return 24 * x * x; };
   const TimedStep small = second_step({46, 0.2, speed}), large = second_step({100, 0.2, speed});
   const double per_hex = large.seconds / 1e6 / (small.seconds / (46. * 46 * 46));
   return {{"a step of 97 k hexes", remark(small), "", true},
