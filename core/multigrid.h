@@ -18,8 +18,8 @@
 namespace umax {
 
 struct MultigridOptions {
-  int degree = 2;              // of the smoothing polynomials; more: fewer, dearer iterations
-  double local_contrast = 100; // [-] of a hex with its neighbours from which it is solved for by itself
+  int degree = 2;               // of the smoothing polynomials; more: fewer, dearer iterations
+  double local_contrast = 100;  // [-] of a hex with its neighbours from which it is solved for by itself
   InstructionSet instruction_set = best_instruction_set();
 };
 

@@ -29,11 +29,14 @@ struct Resting {
   std::vector<Contact> contacts;
   MultigridSystem system = make_multigrid_system(model);
 
-  explicit Resting(const std::vector<HexTerm>& terms = {}) {
+  // every seventh hex is `stiffer` times as stiff, and one more
+  explicit Resting(const std::vector<HexTerm>& terms = {}, double stiffer = 0) {
     const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
     add_contacts(problem.contact, pushed_in, 0, contacts);
     REQUIRE(contacts.size() == 48);
-    set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+    VectorXd stiffening = VectorXd::Zero(model.num_hexes());
+    for (Eigen::Index e = 0; e < stiffening.size(); e += 7) stiffening[e] = stiffer;
+    set_up(problem, state.positions, stiffening, terms, system);
   }
 
   // A, column by column
@@ -78,7 +81,10 @@ VectorXd dense_term(const Model& model, const HexTerm& term) {
 TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
   const Model model = Resting().model;
   const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e10);
-  Resting resting(terms);
+  // 80: the multigrid sees less than a quarter of some motions, so that A0 has to be made smaller on the way
+  const double stiffer = GENERATE(0., 80.);
+  CAPTURE(stiffer);
+  Resting resting(terms, stiffer);
   MatrixXd A = resting.matrix();
   for (const HexTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
   test::Random random(3);
@@ -87,7 +93,7 @@ TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than t
   const LinearSolution solution = solve(model, b, false, {.tolerance = 1e-7}, resting.system);
   const VectorXd expected = A.ldlt().solve(b);
   CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
-  CHECK(solution.iterations <= 90);
+  CHECK(solution.iterations <= (stiffer > 0 ? 130 : 60));
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const double product = dense_term(model, terms[t]).dot(expected);
     CHECK(std::abs(solution.products[Eigen::Index(t)] - product) <= 1e-3 * solution.products.cwiseAbs().maxCoeff());
