@@ -117,7 +117,7 @@ TEST_CASE("islands of cells that are not connected each fall by themselves, with
   }
 }
 
-TEST_CASE("both linear solvers end at a solution in every built-in scene, nearly always at the same one", "[slow]") {
+TEST_CASE("both linear solvers end at the same step in the built-in scenes, but on edges", "[slow]") {
   use_standard_floating_point();
   int scenes = 0, agreeing = 0;
   for (const BuiltinScene& scene : builtin_scenes()) {
@@ -136,22 +136,24 @@ TEST_CASE("both linear solvers end at a solution in every built-in scene, nearly
       active += report.limits_active + report.contacts > 0;
     }
     State direct = state, multigrid = state;
+    const double tolerance = 1e-5;  // looser ones let both end where they like within it
+    simulation.options.solver.tolerance = tolerance;
     const StepReport expected = step(simulation.model, simulation.options, workspace, direct);
     simulation.options.solver.linear = LinearSolver::multigrid;
     const StepReport report = step(simulation.model, simulation.options, workspace, multigrid);
     CHECK(expected.status == StepStatus::converged);
     CHECK(report.status == StepStatus::converged);
-    CHECK(report.max_energy_ratio <= 1.001);
-    CHECK(report.kkt_residual <= 1e-3);
+    CHECK(report.max_energy_ratio <= 1 + tolerance);
+    CHECK(report.kkt_residual <= tolerance);
     double smallest = simulation.model.bodies.front().cell_size;
     for (const Model::BodyRange& body : simulation.model.bodies) smallest = std::min(smallest, body.cell_size);
-    // An impact with limits and friction may have more than one solution: in two scenes the solvers end at different
-    // ones, both with all residuals as small, also where the tolerance is 1e-5.
+    // A contact on an obstacle's edge has two normals, of which it keeps the one of the sixth iteration: in `steps` the
+    // two solvers come to different ones. Kept from the first on, they are the same, and so are the steps.
     const double difference = (direct.positions - multigrid.positions).cwiseAbs().maxCoeff();
-    CHECK(difference <= 0.2 * smallest);
+    CHECK(difference <= (scene.name == "steps" ? 0.2 : 0.01) * smallest);
     ++scenes;
     agreeing += difference <= 2e-3 * smallest;
   }
   CHECK(scenes == int(builtin_scenes().size()));
-  CHECK(agreeing >= scenes - 3);  // scenes - 2 with AVX2; another rounding may decide otherwise
+  CHECK(agreeing >= scenes - 2);  // all but `steps` with AVX-512; another rounding may decide otherwise
 }
