@@ -8,18 +8,6 @@ namespace {
 
 constexpr double replacement = 1e-3;  // fall of the residual after which it is computed anew
 
-double squared_norm(const BrickLattice& lattice, const AlignedArray<double>& v) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
-  return for_each_column(lattice, [&](int first, int last) {
-    double sums[brick_lanes] = {};
-    for (std::size_t i = first * brick_values; i < last * brick_values; i += brick_lanes)
-      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += v[i + lane] * v[i + lane];
-    double total = 0;
-    for (const double sum : sums) total += sum;
-    return total;
-  });
-}
-
 // x += step, step = 0, residual = b - A x; returns its norm
 double replace_residual(const MultigridLevel& level, const HexMatrix<double>* exact, const AlignedArray<double>& b,
                         ConjugateGradientWorkspace& workspace, AlignedArray<double>& x) {
@@ -49,7 +37,7 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
   const MultigridKernels& kernels = multigrid_kernels(level.op.instruction_set);
   auto& [step, r, p] = workspace;
   ConjugateGradientReport report;
-  const double wanted = options.tolerance * std::sqrt(squared_norm(level.lattice, b));
+  const double wanted = options.tolerance * std::sqrt(dot(level.lattice, b, b));
   std::fill(step.begin(), step.end(), 0.f);
   std::fill(x.begin(), x.end(), 0.0);
   std::transform(b.begin(), b.end(), r.begin(), [](double value) { return float(value); });

@@ -11,7 +11,8 @@
 // On multigrids limits are rows of a saddle-point system instead, and the Schur complement is never formed
 // (core/multigrid_subproblem.h).
 // Multipliers are force-level, start from the last step's, and are updated with the step: lambda <- max(0, t + rho
-// G.dx/U_max). If the exact Hessian leaves A indefinite, the warped stiffness stands in for that iteration.
+// G.dx/U_max); a limit is held from iteration to iteration until that would be negative. If the exact Hessian leaves A
+// indefinite, the warped stiffness stands in for that iteration.
 #pragma once
 
 #include "core/step_problem.h"

@@ -69,4 +69,18 @@ void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArr
 template <class T>
 void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
 
+/// a . b of node vectors, summed in double and in a fixed order.
+template <class T>
+double dot(const BrickLattice& lattice, const AlignedArray<T>& a, const AlignedArray<T>& b) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  return for_each_column(lattice, [&](int first, int last) {
+    double sums[brick_lanes] = {};
+    for (std::size_t i = first * brick_values; i < last * brick_values; i += brick_lanes)
+      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
+    double total = 0;
+    for (const double sum : sums) total += sum;
+    return total;
+  });
+}
+
 }  // namespace umax

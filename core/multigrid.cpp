@@ -198,18 +198,6 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
   return current;
 }
 
-double dot(const BrickLattice& lattice, const AlignedArray<float>& a, const AlignedArray<float>& b) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
-  return for_each_column(lattice, [&](int first, int last) {
-    double sums[brick_lanes] = {};
-    for (std::size_t i = first * brick_values; i < last * brick_values; i += brick_lanes)
-      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
-    double total = 0;
-    for (const double sum : sums) total += sum;
-    return total;
-  });
-}
-
 // returns which of the level's two arrays has x ~ A^-1 b; product: b . x
 const AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b,
                                  double& product) {

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
 constexpr int max_corrections = 12;
-constexpr double least_correction = 1e-2, most_correction = 0.05;  // [-] accuracies of what corrects contact forces,
-constexpr double correction_margin = 0.3;                          // by what of them is bearable
-constexpr int max_contact_rounds = 6;                              // detections per linearisation
+constexpr double finest_response = 1e-2, coarsest_response = 0.05;  // [-] accuracies of the solves for contact forces
+constexpr double response_margin = 0.3;                             // share of the bearable error that one may leave
+constexpr int max_contact_rounds = 6;                               // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;  // of what is bearable
 
@@ -118,9 +118,8 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
     if (missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution))) break;
-    const double share_of_change =
-        std::clamp(correction_margin * bearable / missing, least_correction, most_correction);
-    const ContactSolution correction = response(problem, at, iterate, change, share_of_change, workspace, report);
+    const double exactly = std::clamp(response_margin * bearable / missing, finest_response, coarsest_response);
+    const ContactSolution correction = response(problem, at, iterate, change, exactly, workspace, report);
     const VectorXd motion = motions_of(model, iterate.contacts, correction.step);
     // the largest share that cannot overshoot: curvature met over curvature assumed
     const double met = change.dot(motion), assumed = change.dot(apply(compliance, change));

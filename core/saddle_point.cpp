@@ -16,17 +16,6 @@ double over_values(const BrickLattice& lattice, const Body& body) {
   return for_each_column(lattice, [&](int first, int last) { return body(first * brick_values, last * brick_values); });
 }
 
-double dot(const BrickLattice& lattice, const AlignedArray<float>& a, const AlignedArray<float>& b) {
-  return over_values(lattice, [&](std::size_t first, std::size_t end) {
-    double sums[brick_lanes] = {};
-    for (std::size_t i = first; i < end; i += brick_lanes)
-      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
-    double total = 0;
-    for (const double sum : sums) total += sum;
-    return total;
-  });
-}
-
 void scale(const BrickLattice& lattice, float factor, const AlignedArray<float>& x, AlignedArray<float>& out) {
   over_values(lattice, [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) out[i] = factor * x[i];
