@@ -69,6 +69,9 @@ void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArr
 template <class T>
 void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
 
+/// The block D^-1 of the node in a slot, from 6 numbers per node.
+Matrix3d inverse_block(const AlignedArray<float>& inverse, int slot);
+
 /// a . b of node vectors, summed in double and in a fixed order.
 template <class T>
 double dot(const BrickLattice& lattice, const AlignedArray<T>& a, const AlignedArray<T>& b) {

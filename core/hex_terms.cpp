@@ -30,13 +30,8 @@ HexTerms::Vector24f gather(const HexTerms::Hex& hex, const AlignedArray<float>& 
 HexTerms::Vector24f point_solution(const HexTerms::Hex& hex, const HexTerms::Vector24f& g,
                                    const AlignedArray<float>& inverse) {
   HexTerms::Vector24f solution;
-  for (int n = 0; n < 8; ++n) {
-    const std::size_t at = slot_offset(hex.nodes[n], inverse_components);
-    const auto d = [&](int i) { return inverse[at + std::size_t(i) * brick_lanes]; };
-    const float x = g[3 * n], y = g[3 * n + 1], z = g[3 * n + 2];
-    solution.segment<3>(3 * n) << d(0) * x + d(1) * y + d(2) * z, d(1) * x + d(3) * y + d(4) * z,
-        d(2) * x + d(4) * y + d(5) * z;
-  }
+  for (int n = 0; n < 8; ++n)
+    solution.segment<3>(3 * n) = inverse_block(inverse, hex.nodes[n]).cast<float>() * g.segment<3>(3 * n);
   return solution;
 }
 

@@ -12,6 +12,7 @@ constexpr Eigen::Index largest_stalled_dense = 600;  // the same where coarsenin
 constexpr double stalled = 0.9;                      // share of the nodes that is left
 constexpr double interval = 8;                       // the smoother's: largest over smallest eigenvalue
 constexpr double nearly_short = 1.5;                 // edges up to this times the shortest are coarsened too
+constexpr double stored_rows = 1.0 / 400;            // stiff hexes per node up to which A's rows are stored for them
 constexpr int coarsest_sweeps = 4;                   // of the smoother, where the last level is not factored
 
 Vector3i coarsening_factor(const Vector3d& cell_size) {
@@ -77,6 +78,13 @@ void run(const BrickLattice& lattice, const Call& call) {
   for_each_column(lattice, [&](int first, int last) {
     call(first, last);
     return 0.0;
+  });
+}
+
+void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  run(lattice, [&](int first, int last) {
+    std::copy(from.data() + first * brick_values, from.data() + last * brick_values, to.data() + first * brick_values);
   });
 }
 
@@ -163,7 +171,7 @@ MatrixXd assemble(const MultigridLevel& level, const std::vector<int>& slots) {
   return A;
 }
 
-const AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
+AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
   MultigridLevel& level = multigrid.levels.back();
   const std::vector<int>& slots = multigrid.dense_slots;
   VectorXd x;
@@ -199,8 +207,7 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
 }
 
 // returns which of the level's two arrays has x ~ A^-1 b; product: b . x
-const AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b,
-                                 double& product) {
+AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, double& product) {
   MultigridLevel& level = multigrid.levels[depth];
   if (depth + 1 == multigrid.levels.size()) {
     if (multigrid.has_dense) return solve_dense(multigrid, b);
@@ -258,31 +265,39 @@ void set_up(Multigrid& multigrid) {
   }
   const MultigridLevel& finest = multigrid.levels.front();
   if (multigrid.levels.size() > 1)
-    multigrid.stiff_cells =
-        find_stiff_cells(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast);
-  if (!multigrid.stiff_cells.nodes.empty() && multigrid.rest.size() == 0) {
+    multigrid.stiff_cells = find_stiff_cells(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast,
+                                             Eigen::Index(stored_rows * double(finest.lattice.num_nodes)));
+  const StiffCells& stiff = multigrid.stiff_cells;
+  if (!stiff.nodes.empty() && multigrid.rest.size() == 0) multigrid.rest = AlignedArray<float>(finest.x[0].size());
+  if (!stiff.nodes.empty() && stiff.rows.empty() && multigrid.corrected.size() == 0)
     multigrid.corrected = AlignedArray<float>(finest.x[0].size());
-    multigrid.rest = AlignedArray<float>(finest.x[0].size());
-  }
   if (multigrid.has_dense) multigrid.dense.compute(assemble(multigrid.levels.back(), multigrid.dense_slots));
 }
 
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product) {
   const MultigridLevel& level = multigrid.levels.front();
-  if (multigrid.stiff_cells.nodes.empty()) {
+  const StiffCells& stiff = multigrid.stiff_cells;
+  if (stiff.nodes.empty()) {
     const AlignedArray<float>& z = cycle(multigrid, 0, r, product);
     if (multigrid.levels.size() == 1) product = dot(level.lattice, r, z);
     return z;
   }
   // local solves, V-cycle, local solves, each on what the one before has left: symmetric
+  if (!stiff.rows.empty()) {
+    copy(level.lattice, r, multigrid.rest);
+    const std::vector<StiffCells::Vector24f> before = correct_before(stiff, r, multigrid.rest);
+    AlignedArray<float>& z = cycle(multigrid, 0, multigrid.rest, product);
+    product += correct_after(stiff, r, before, z);
+    return z;
+  }
   AlignedArray<float>& z = multigrid.corrected;
   std::fill(z.begin(), z.end(), 0.f);
-  add_corrections(multigrid.stiff_cells, r, z);
+  add_corrections(stiff, r, z);
   residual(level.op, level.matrix, r, z, multigrid.rest);
   const AlignedArray<float>& correction = cycle(multigrid, 0, multigrid.rest, product);
   run(level.lattice, [&](int first, int last) { kernels_of(level).turn(correction.data(), 1, z.data(), first, last); });
   residual(level.op, level.matrix, r, z, multigrid.rest);
-  add_corrections(multigrid.stiff_cells, multigrid.rest, z);
+  add_corrections(stiff, multigrid.rest, z);
   product = dot(level.lattice, r, z);
   return z;
 }
@@ -296,6 +311,7 @@ std::size_t memory(const Multigrid& multigrid) {
              sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
   }
   bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +
+           multigrid.stiff_cells.rows.size() * (sizeof(StiffCells::Rows) + sizeof(std::array<int, 64>)) +
            sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
   return bytes + sizeof(double) * multigrid.dense_slots.size() * multigrid.dense_slots.size() * 9;
 }

@@ -18,20 +18,16 @@ constexpr double sweep_share = 0.01;  // of what is bearable
 
 // How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more.
 struct Accuracy {
-  double first = 2e-4;    // [-] of the first linear solve
-  double settled = 1e-3;  // [-] change of the forces at which contacts are solved
-  bool final = true;      // contacts must be as shallow as the solution's
+  double first = 0;    // [-] of the first linear solve
+  double settled = 0;  // [-] change of the forces at which contacts are solved
+  bool final = false;  // contacts must be as shallow as the solution's
 };
 
-Accuracy accuracy_at(double kkt_residual) {
-  constexpr double near = 1e-2;      // KKT residual from which on everything is solved finely
-  constexpr double most_relief = 5;  // of the first linear solve, beyond that of the forces
-  Accuracy accuracy;
-  const double coarser = std::clamp(kkt_residual / near, 1.0, 100.0);
-  accuracy.first *= coarser * std::min(most_relief, coarser);
-  accuracy.settled *= coarser;
-  accuracy.final = coarser == 1;
-  return accuracy;
+Accuracy accuracy_at(double kkt_residual, double tolerance) {
+  const double near = 3 * tolerance;  // the step's solution may be next
+  return {.first = std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
+          .settled = std::clamp(0.3 * kkt_residual, std::min(0.2 * tolerance, 0.1), 0.1),
+          .final = kkt_residual <= near};
 }
 
 // forces, and what follows from them linearly
@@ -104,10 +100,9 @@ bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vec
 }
 
 void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate& iterate, const Accuracy& accuracy,
-                    double& scale, Workspace::Data& workspace, StepReport& report, ContactSolution& solution) {
+                    Workspace::Data& workspace, StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
   MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
-  compliance.scale = scale;
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
   for (int i = 0; i < max_corrections; ++i) {
@@ -126,7 +121,6 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     solution = plus(solution, met > assumed ? assumed / met : 1, correction);
     learn(change, motion, compliance);
   }
-  scale = compliance.scale;
 }
 
 }  // namespace
@@ -136,16 +130,15 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy = accuracy_at(report.kkt_residual);
+  const Accuracy accuracy = accuracy_at(report.kkt_residual, problem.options->solver.tolerance);
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
   NewtonStep newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces), true,
                                       accuracy.first, workspace, report);
   solution.step = std::move(newton.step);
   solution.limit_change = std::move(newton.limit_change);
-  double scale = 1;
   for (int round = 0; round < max_contact_rounds; ++round) {
-    if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, scale, workspace, report, solution);
+    if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, workspace, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
     if (add_linearised_contacts(problem, solution.step, iterate) == 0) break;

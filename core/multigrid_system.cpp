@@ -94,6 +94,7 @@ void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridS
     const MultigridLevel& level = grid.multigrid.levels.front();
     grid.terms = make_hex_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
                                 body.first_node, grid.node_slots, level.matrix.diagonal, level.inverse);
+    grid.coupling = make_term_coupling(grid.terms, level.inverse);
     for (int& source : grid.terms.sources) source = sources[b][source];
   }
 }
@@ -160,7 +161,8 @@ LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, c
     to_bricks(body, grid.node_slots, rest.data(), 1 / unit, grid.b);
     VectorXd y;
     solution.iterations +=
-        solve(grid.multigrid, grid.terms, options, grid.b, c / unit, grid.workspace, grid.x, y).iterations;
+        solve(grid.multigrid, grid.terms, grid.coupling, options, grid.b, c / unit, grid.workspace, grid.x, y)
+            .iterations;
     for (Eigen::Index t = 0; t < y.size(); ++t) solution.products[grid.terms.sources[t]] = unit * y[t] + c[t];
     from_bricks(body, grid.node_slots, grid.x, unit, solution.x);
   }

@@ -20,6 +20,7 @@ struct BodyGrid {
   AlignedArray<float> b, x;        // right-hand side and solution
   SaddlePointWorkspace workspace;
   HexTerms terms;
+  TermCoupling coupling;
 };
 
 struct MultigridSystem {

@@ -10,7 +10,6 @@ namespace {
 
 constexpr Eigen::Index most_measurements = 8;
 constexpr double least_independence = 0.1;  // [-] of a measured force from the others, in the norm of the response
-constexpr double slowest_fall = 0.7;        // of the scale
 
 using Share = MultilevelCompliance::Share;
 
@@ -76,14 +75,6 @@ Place coarser(const Place& fine, const Vector3i& factor) {
   return coarse;
 }
 
-Matrix3d block_inverse(const MultigridLevel& level, int slot) {
-  const std::size_t at = slot_offset(slot, inverse_components);
-  const auto d = [&](int i) { return double(level.inverse[at + std::size_t(i) * brick_lanes]); };
-  Matrix3d D;
-  D << d(0), d(1), d(2), d(1), d(3), d(4), d(2), d(4), d(5);
-  return D;
-}
-
 // numbers for slots as they come
 class Numbering {
  public:
@@ -142,7 +133,7 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
   }
   for (std::size_t l = 0; l < num_single; ++l) {
     const int first = int(compliance.inverses.size());
-    for (const int slot : numberings[l].slots()) compliance.inverses.push_back(block_inverse(levels[l], slot));
+    for (const int slot : numberings[l].slots()) compliance.inverses.push_back(inverse_block(levels[l].inverse, slot));
     for (const int i : of_body)
       for (int& node : compliance.points[i].shares[l].nodes) node += first;
   }
@@ -187,7 +178,7 @@ MultilevelCompliance make_multilevel_compliance(const Model& model, const Multig
 }
 
 VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces) {
-  VectorXd motions = compliance.scale * apply_unmeasured(compliance, forces);
+  VectorXd motions = apply_unmeasured(compliance, forces);
   if (compliance.factors.cols() > 0)
     motions += compliance.factors * (compliance.middle * (compliance.factors.transpose() * forces));
   return motions;
@@ -197,7 +188,6 @@ void learn(const VectorXd& forces, const VectorXd& response, MultilevelComplianc
   const VectorXd assumed = apply_unmeasured(compliance, forces);
   const double met = forces.dot(response), expected = forces.dot(assumed);
   if (!(met > 0 && expected > 0)) return;
-  compliance.scale = std::max(met / expected, slowest_fall * compliance.scale);
   const double size = 1 / std::sqrt(met);  // S^T Y has ones on its diagonal
   Eigen::Index first = compliance.forces.cols() == most_measurements ? 1 : 0;
   const Eigen::Index kept = compliance.forces.cols();
@@ -221,7 +211,7 @@ void learn(const VectorXd& forces, const VectorXd& response, MultilevelComplianc
     if (MatrixXd(met_factor.matrixL()).diagonal().minCoeff() < least_independence) continue;
     const MatrixXd one = MatrixXd::Identity(count, count);
     compliance.middle = MatrixXd::Zero(2 * count, 2 * count);
-    compliance.middle.topLeftCorner(count, count) = -compliance.scale * assumed_factor.solve(one);
+    compliance.middle.topLeftCorner(count, count) = -assumed_factor.solve(one);
     compliance.middle.bottomRightCorner(count, count) = met_factor.solve(one);
     compliance.factors.resize(forces.size(), 2 * count);
     compliance.factors << bs, y;
@@ -238,12 +228,12 @@ int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<Conta
   const bool measured = factors.cols() > 0;
   std::vector<ContactBlock> blocks;
   for (int i = 0; i < count; ++i) {
-    Matrix3d block = compliance.scale * compliance.blocks[i];
+    Matrix3d block = compliance.blocks[i];
     if (measured) block += factors.middleRows<3>(3 * i) * middle * factors.middleRows<3>(3 * i).transpose();
     blocks.push_back(make_contact_block(block, rows[i].normal));
   }
   Motion motion = at_rest(compliance);
-  for (int i = 0; i < count; ++i) push(compliance, i, compliance.scale * forces.segment<3>(3 * i), motion);
+  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
   VectorXd shares = VectorXd::Zero(factors.cols());  // middle factors^T f
   if (measured) shares = middle * (factors.transpose() * forces);
   int sweeps = 0;
@@ -257,7 +247,7 @@ int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<Conta
       if (measured) w += factors.middleRows<3>(3 * i) * shares;
       const Vector3d next = relaxed_force(rows[i], blocks[i], w, old);
       if (next != old) {
-        push(compliance, i, compliance.scale * (next - old), motion);
+        push(compliance, i, next - old, motion);
         if (measured) shares += middle * (factors.middleRows<3>(3 * i).transpose() * (next - old));
       }
       forces.segment<3>(3 * i) = next;

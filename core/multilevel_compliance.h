@@ -5,7 +5,7 @@
 // contacts costs next to nothing, where a Delassus matrix could not even be stored. Up to a factor it is the Delassus
 // matrix; responses that were measured make it exact along their forces, in the manner of BFGS:
 //
-//   W = s B - s B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did        Nocedal, Wright 2006
+//   W = B - B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did        Nocedal, Wright 2006
 #pragma once
 
 #include <array>
@@ -31,10 +31,9 @@ struct MultilevelCompliance {
   std::vector<Matrix3d> inverses;  // D^-1 of the nodes that contacts touch, of all levels
   std::vector<MatrixXd> last;      // per body: A^-1 between the touched nodes of its last level
   std::vector<Matrix3d> blocks;    // per contact: its own motion under its own force, of B
-  double scale = 1;                // s
   MatrixXd forces, responses;      // S, Y: a column for each measurement
   MatrixXd factors;                // B S beside Y
-  MatrixXd middle;                 // so that W = s B + factors middle factors^T
+  MatrixXd middle;                 // so that W = B + factors middle factors^T
 };
 
 MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
@@ -43,7 +42,7 @@ MultilevelCompliance make_multilevel_compliance(const Model& model, const Multig
 /// The motions W f of contact points under forces f (3 per contact).
 VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces);
 
-/// Makes W f the response. The scale becomes no less than what the response shows, and falls slowly.
+/// Makes W f the response.
 void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance);
 
 /// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.

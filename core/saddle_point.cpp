@@ -52,6 +52,33 @@ void advance(const BrickLattice& lattice, float alpha, float gamma, const Aligne
   });
 }
 
+// S^-1 of what the terms have, nearly. Uses w.force and the first level's first iterate.
+VectorXd precondition_terms(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
+                            const VectorXd& values, SaddlePointWorkspace& w) {
+  VectorXd solved;
+  if (!coupling.exists) {
+    precondition(terms, values, solved);
+    return solved;
+  }
+  MultigridLevel& level = multigrid.levels.front();
+  const auto solve_blocks = [&](AlignedArray<float>& x) {
+    for_each_column(level.lattice, [&](int first, int last) {
+      multigrid_kernels(level.op.instruction_set)
+          .block_jacobi(level.inverse.data(), x.data(), 1, x.data(), first, last);
+      return 0.0;
+    });
+  };
+  solved = solve(coupling.factor, values);
+  std::fill(w.force.begin(), w.force.end(), 0.f);
+  add(terms, solved, w.force);
+  solve_blocks(w.force);
+  apply(level.op, level.matrix, w.force, level.x[0]);
+  solve_blocks(level.x[0]);
+  VectorXd products(values.size());
+  multiply(terms, level.x[0], products);
+  return solve(coupling.factor, solved + products);
+}
+
 }  // namespace
 
 SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid) {
@@ -63,16 +90,16 @@ SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid) {
   return workspace;
 }
 
-SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const SaddlePointOptions& options,
-                        const AlignedArray<float>& b, const VectorXd& c, SaddlePointWorkspace& workspace,
-                        AlignedArray<float>& x, VectorXd& y) {
+SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
+                        const SaddlePointOptions& options, const AlignedArray<float>& b, const VectorXd& c,
+                        SaddlePointWorkspace& workspace, AlignedArray<float>& x, VectorXd& y) {
   MultigridLevel& level = multigrid.levels.front();
   const BrickLattice& lattice = level.lattice;
   SaddlePointWorkspace& w = workspace;
   for (AlignedArray<float>* zero : {&x, &w.direction, &w.direction_applied}) std::fill(zero->begin(), zero->end(), 0.f);
   std::copy(b.begin(), b.end(), w.residual.begin());
   // of the terms: s = c - G^T x + y, the direction e, G^T of what the nodes have
-  VectorXd s = c, e = VectorXd::Zero(c.size()), preconditioned = e, of_solved = e, of_direction = e, of_image = e;
+  VectorXd s = c, e = VectorXd::Zero(c.size()), of_solved = e, of_direction = e, of_image = e;
   y = e;
 
   double gamma = first_gamma, product = 0, first = 0, before = 0;
@@ -93,7 +120,7 @@ SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const Saddl
   while (report.iterations < options.max_iterations) {
     const double applied = apply(level.op, level.matrix, w.solved, w.applied);
     const VectorXd of_terms = of_solved - s;
-    precondition(terms, of_terms, preconditioned);
+    const VectorXd preconditioned = precondition_terms(multigrid, terms, coupling, of_terms, w);
     const double norm = applied - dot(lattice, w.residual, w.solved) + of_terms.dot(preconditioned);  // squared
     if (norm == 0) break;
     if (!(norm > 0)) {  // A0 is not smaller than A, or rounding has parted the residual from its image

@@ -1,7 +1,9 @@
 // Conjugate gradients for  (A + G G^T) x = b + G c  as the saddle-point system
 //
 //   [ A    G ] [x]   [b]
-//   [ G^T -I ] [y] = [c],   preconditioned by the multigrid for A and diag(1 + g^T A^-1 g) for the rest
+//   [ G^T -I ] [y] = [c],   preconditioned by the multigrid for A and by the terms' coupling for S = I + G^T A^-1 G,
+// or by one block of it per hex where the coupling is too large to be factored.
+//
 // Multiplied by [A0^-1, 0; G^T A0^-1, -I] the system is symmetric and positive definite in the inner product with A -
 // A0, if A0 = B^-1 / gamma is smaller than A, B the multigrid: gamma grows where that turns out to be wrong. The count
 // of iterations depends little on how stiff the terms G are, and is half that of minimum residuals. Bramble and Pasciak
@@ -10,6 +12,7 @@
 
 #include "core/hex_terms.h"
 #include "core/multigrid.h"
+#include "core/term_coupling.h"
 
 namespace umax {
 
@@ -32,8 +35,8 @@ SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid);
 
 /// Solves from x = 0 with the finest level's matrix, which set_up() has seen; b is zero at nodes that are not free.
 /// y = G^T x - c is as exact as x is, though G x would cancel.
-SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const SaddlePointOptions& options,
-                        const AlignedArray<float>& b, const VectorXd& c, SaddlePointWorkspace& workspace,
-                        AlignedArray<float>& x, VectorXd& y);
+SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
+                        const SaddlePointOptions& options, const AlignedArray<float>& b, const VectorXd& c,
+                        SaddlePointWorkspace& workspace, AlignedArray<float>& x, VectorXd& y);
 
 }  // namespace umax

@@ -1,13 +1,13 @@
 #include "core/sparse_cholesky.h"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 
 #include <algorithm>
 #include <new>
 #include <stdexcept>
 
 #include "core/parallel.h"
+#include "core/serial_openmp.h"
 
 namespace umax {
 namespace {
@@ -15,27 +15,6 @@ namespace {
 // nested dissection pays from here on; below, minimum degree does as well and is found faster
 constexpr int nested_dissection_nodes = 2000;
 constexpr Eigen::Index columns_per_block = 48;
-
-// While one lives, CHOLMOD's OpenMP regions run on the calling thread: its fixed four threads spin against TBB's (2121
-// unknowns on 2 cores: 10.0 ms of processor time a step with them, 5.9 ms without). The runtime is whichever the
-// installed CHOLMOD has loaded.
-class SerialOpenMp {
- public:
-  SerialOpenMp() {
-    if (get_levels && set_levels) levels_ = get_levels(), set_levels(0);
-  }
-  ~SerialOpenMp() {
-    if (get_levels && set_levels) set_levels(levels_);
-  }
-  SerialOpenMp(const SerialOpenMp&) = delete;
-  SerialOpenMp& operator=(const SerialOpenMp&) = delete;
-
- private:
-  static inline const auto get_levels = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
-  static inline const auto set_levels =
-      reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-  int levels_ = 1;
-};
 
 cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
   cholmod_sparse view{};

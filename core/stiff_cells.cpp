@@ -138,39 +138,124 @@ StiffCells::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix
   return (0.5 * (inverse + inverse.transpose())).cast<float>();
 }
 
+// A between the hex's nodes and those up to one hex away, zero in the rows of nodes that are not free
+void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot,
+                const std::array<int, 8>& nodes, std::array<int, 64>& reached, StiffCells::Rows& rows) {
+  const auto at = [](const Vector3i& step) { return 16 * (step[0] + 1) + 4 * (step[1] + 1) + step[2] + 1; };
+  for (int m = 0; m < 64; ++m) reached[m] = slot_at(lattice, slot, {m / 16 - 1, m / 4 % 4 - 1, m % 4 - 1});
+  Eigen::Matrix<double, 24, 192> A = Eigen::Matrix<double, 24, 192>::Zero();
+  for (int n = 0; n < 27; ++n) {
+    const int cell = slot_at(lattice, slot, neighbour_step(n));
+    if (cell < 0) continue;
+    const Matrix3d Q = frame_at(matrix, cell);
+    if (Q.isZero(0)) continue;
+    const std::array<int, 8> local = shared_nodes(neighbour_step(n));
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        if (local[a] >= 0)
+          A.block<3, 3>(3 * local[a], 3 * at(neighbour_step(n) + corner_step(b))) +=
+              Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+  }
+  for (int n = 0; n < 8; ++n) {
+    const double w = double(matrix.diagonal[nodes[n]]);
+    if (w > 0)
+      A.block<3, 3>(3 * n, 3 * at(corner_step(n))).diagonal().array() += w;
+    else
+      A.middleRows<3>(3 * n).setZero();
+  }
+  // nodes that are not free do not move
+  for (int m = 0; m < 64; ++m)
+    if (reached[m] < 0 || !(matrix.diagonal[reached[m]] > 0)) {
+      reached[m] = -1;
+      A.middleCols<3>(3 * m).setZero();
+    }
+  rows = A.cast<float>();
+}
+
+StiffCells::Vector24f gather(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
+  StiffCells::Vector24f local;
+  for (int i = 0; i < 24; ++i) local[i] = x[slot_offset(nodes[i / 3], vector_components) + i % 3 * brick_lanes];
+  return local;
+}
+
+void scatter(const StiffCells::Vector24f& local, const std::array<int, 8>& nodes, AlignedArray<float>& x) {
+  for (int i = 0; i < 24; ++i) x[slot_offset(nodes[i / 3], vector_components) + i % 3 * brick_lanes] += local[i];
+}
+
+// the rows of A x that belong to a hex's nodes
+StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const AlignedArray<float>& x) {
+  Eigen::Matrix<float, 192, 1> around = Eigen::Matrix<float, 192, 1>::Zero();
+  for (int m = 0; m < 64; ++m)
+    if (const int slot = cells.reached[e][m]; slot >= 0)
+      for (int c = 0; c < 3; ++c) around[3 * m + c] = x[slot_offset(slot, vector_components) + c * brick_lanes];
+  return cells.rows[e] * around;
+}
+
 }  // namespace
 
 StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matrix, const Matrix24d& stiffness,
-                            double contrast) {
+                            double contrast, Eigen::Index most_rows) {
   const BrickLattice& lattice = *op.lattice;
   const std::vector<int> chosen = choose(lattice, stiffnesses(lattice, matrix), contrast);
   StiffCells cells;
   cells.nodes.resize(chosen.size());
   cells.inverses.resize(chosen.size());
+  const bool with_rows = Eigen::Index(chosen.size()) <= most_rows;
+  if (with_rows) {
+    cells.reached.resize(chosen.size());
+    cells.rows.resize(chosen.size());
+  }
   parallel_blocks(Eigen::Index(chosen.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
       for (int n = 0; n < 8; ++n) cells.nodes[e][n] = slot_at(lattice, chosen[e], corner_step(n));
       cells.inverses[e] = damped_inverse(local_matrix(lattice, matrix, stiffness, chosen[e]), matrix, cells.nodes[e]);
+      if (with_rows) store_rows(lattice, matrix, stiffness, chosen[e], cells.nodes[e], cells.reached[e], cells.rows[e]);
     }
   });
   return cells;
 }
 
 void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, AlignedArray<float>& z) {
-  using Vector24f = Eigen::Matrix<float, 24, 1>;
-  std::vector<Vector24f> corrections(cells.nodes.size());
+  std::vector<StiffCells::Vector24f> corrections(cells.nodes.size());
   parallel_blocks(Eigen::Index(cells.nodes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) {
-      Vector24f local;
-      for (int i = 0; i < 24; ++i)
-        local[i] = r[slot_offset(cells.nodes[e][i / 3], vector_components) + i % 3 * brick_lanes];
-      corrections[e].noalias() = cells.inverses[e] * local;
-    }
+    for (Eigen::Index e = begin; e < end; ++e) corrections[e].noalias() = cells.inverses[e] * gather(cells.nodes[e], r);
   });
   // one after the other: neighbours may share nodes
-  for (std::size_t e = 0; e < corrections.size(); ++e)
-    for (int i = 0; i < 24; ++i)
-      z[slot_offset(cells.nodes[e][i / 3], vector_components) + i % 3 * brick_lanes] += corrections[e][i];
+  for (std::size_t e = 0; e < corrections.size(); ++e) scatter(corrections[e], cells.nodes[e], z);
+}
+
+std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const AlignedArray<float>& r,
+                                                  AlignedArray<float>& rest) {
+  std::vector<StiffCells::Vector24f> before;
+  for (std::size_t e = 0; e < cells.nodes.size(); ++e) {
+    before.emplace_back(cells.inverses[e] * gather(cells.nodes[e], r));
+    const Eigen::Matrix<float, 192, 1> force = cells.rows[e].transpose() * before[e];
+    for (int m = 0; m < 64; ++m)
+      if (const int slot = cells.reached[e][m]; slot >= 0)
+        for (int c = 0; c < 3; ++c) rest[slot_offset(slot, vector_components) + c * brick_lanes] -= force[3 * m + c];
+  }
+  return before;
+}
+
+double correct_after(const StiffCells& cells, const AlignedArray<float>& r,
+                     const std::vector<StiffCells::Vector24f>& before, AlignedArray<float>& z) {
+  const std::size_t count = cells.nodes.size();
+  std::vector<StiffCells::Vector24f> local(count), after(count);
+  double gain = 0;
+  const auto gain_by = [](const StiffCells::Vector24f& a, const StiffCells::Vector24f& b) {
+    return a.cast<double>().dot(b.cast<double>());
+  };
+  for (std::size_t e = 0; e < count; ++e) {  // (r - rest) . z = A L r . z, and r . L r
+    local[e] = gather(cells.nodes[e], r);
+    gain += gain_by(before[e], multiply(cells, e, z)) + gain_by(before[e], local[e]);
+  }
+  for (std::size_t e = 0; e < count; ++e) scatter(before[e], cells.nodes[e], z);
+  for (std::size_t e = 0; e < count; ++e) {
+    after[e] = cells.inverses[e] * (local[e] - multiply(cells, e, z));
+    gain += gain_by(after[e], local[e]);
+  }
+  for (std::size_t e = 0; e < count; ++e) scatter(after[e], cells.nodes[e], z);
+  return gain;
 }
 
 }  // namespace umax

@@ -186,6 +186,50 @@ TEST_CASE("solving single stiff hexes exactly reduces every error") {
   }
 }
 
+TEST_CASE("stored rows of stiff hexes do what sweeps over the lattice do") {
+  const HexSystem system = test::make_hex_system({.name = "stiff hexes",
+                                                  .cells = test::box_cells({9, 10, 17}),
+                                                  .turn = 0.2,
+                                                  .multipliers = {1, 1, 1, 1, 1, 1, 1, 1, 1, 300},
+                                                  .fix_low_x = true});
+  const HexOperator op = make_hex_operator(system.bricks, system.shape);
+  const HexMatrix<float> matrix = system.matrix<float>();
+  CHECK(find_stiff_cells(op, matrix, system.shape.stiffness, 30, 10).rows.empty());
+  const StiffCells cells = find_stiff_cells(op, matrix, system.shape.stiffness, 30, 1000);
+  REQUIRE(cells.rows.size() == cells.nodes.size());
+  REQUIRE(cells.rows.size() > 10);
+
+  Random random(16);
+  const VectorXd given = system.random_vector(random);
+  AlignedArray<float> r(system.bricks.num_slots() * vector_components), z(r.size()), rest(r.size());
+  to_bricks(system.node_slots, given, r);
+  const float between = 1e-6f;  // what stands for the V-cycle: a multiple of what is left
+  add_corrections(cells, r, z);
+  residual(op, matrix, r, z, rest);
+  double product = 0;  // rest . z of the part in between
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    z[i] += between * rest[i];
+    product += double(rest[i]) * double(between * rest[i]);
+  }
+  AlignedArray<float> left(r.size());
+  residual(op, matrix, r, z, left);
+  add_corrections(cells, left, z);
+
+  AlignedArray<float> local_rest(r.size()), local(r.size());
+  std::copy(r.begin(), r.end(), local_rest.begin());
+  const std::vector<StiffCells::Vector24f> before = correct_before(cells, r, local_rest);
+  for (std::size_t i = 0; i < local.size(); ++i) local[i] = between * local_rest[i];
+  const double gain = correct_after(cells, r, before, local);
+  VectorXd expected_rest, expected, got_rest, got;
+  from_bricks(system.node_slots, rest, expected_rest);
+  from_bricks(system.node_slots, local_rest, got_rest);
+  from_bricks(system.node_slots, z, expected);
+  from_bricks(system.node_slots, local, got);
+  CHECK((got_rest - expected_rest).norm() <= 1e-5 * expected_rest.norm());
+  CHECK((got - expected).norm() <= 1e-5 * expected.norm());
+  CHECK(product + gain == Approx(given.dot(got)).epsilon(1e-4));
+}
+
 TEST_CASE("a hex in an even cage is not solved for by itself") {
   const HexSystem system = test::make_hex_system(cases()[2].system);
   const HexOperator op = make_hex_operator(system.bricks, system.shape);
