@@ -66,6 +66,7 @@ HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, c
       if (term.hex != last) {
         HexTerms::Hex hex;
         for (int n = 0; n < 8; ++n) hex.nodes[n] = node_slots[hexes(term.hex, n) - first_node];
+        hex.cell = cells.row(term.hex);
         hex.first = int(sorted.vectors.size());
         sorted.hexes.push_back(hex);
         last = term.hex;
@@ -87,13 +88,14 @@ HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, c
   return sorted;
 }
 
-void precondition(const HexTerms& terms, const VectorXd& factors, VectorXd& out) {
-  out.resize(factors.size());
+VectorXd precondition(const HexTerms& terms, const VectorXd& values) {
+  VectorXd out(values.size());
   for (std::size_t h = 0; h < terms.hexes.size(); ++h) {
     const HexTerms::Hex& hex = terms.hexes[h];
     out.segment(hex.first, hex.end - hex.first).noalias() =
-        terms.inverses[h] * factors.segment(hex.first, hex.end - hex.first);
+        terms.inverses[h] * values.segment(hex.first, hex.end - hex.first);
   }
+  return out;
 }
 
 void multiply(const HexTerms& terms, const AlignedArray<float>& x, VectorXd& products) {

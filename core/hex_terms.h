@@ -15,6 +15,7 @@ struct HexTerms {
   using Vector24f = Eigen::Matrix<float, 24, 1>;
   struct Hex {
     std::array<int, 8> nodes{};  // slots
+    Vector3i cell{0, 0, 0};      // on the lattice
     int first = 0, end = 0;      // of its vectors
   };
   std::vector<Hex> hexes;              // those with terms, by colour: hexes of a colour share no nodes
@@ -25,8 +26,8 @@ struct HexTerms {
   std::vector<MatrixXd> inverses;  // of each hex, nearly (I + G^T A^-1 G)^-1, for preconditioning
 };
 
-/// out = the preconditioner times factors.
-void precondition(const HexTerms& terms, const VectorXd& factors, VectorXd& out);
+/// The inverses times values.
+VectorXd precondition(const HexTerms& terms, const VectorXd& values);
 
 /// One term as it is handed in.
 struct HexTerm {

@@ -55,11 +55,7 @@ void advance(const BrickLattice& lattice, float alpha, float gamma, const Aligne
 // S^-1 of what the terms have, nearly. Uses w.force and the first level's first iterate.
 VectorXd precondition_terms(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
                             const VectorXd& values, SaddlePointWorkspace& w) {
-  VectorXd solved;
-  if (!coupling.exists) {
-    precondition(terms, values, solved);
-    return solved;
-  }
+  if (!coupling.exists) return precondition(terms, values);
   MultigridLevel& level = multigrid.levels.front();
   const auto solve_blocks = [&](AlignedArray<float>& x) {
     for_each_column(level.lattice, [&](int first, int last) {
@@ -68,7 +64,7 @@ VectorXd precondition_terms(Multigrid& multigrid, const HexTerms& terms, const T
       return 0.0;
     });
   };
-  solved = solve(coupling.factor, values);
+  const VectorXd solved = solve(coupling.factor, values);
   std::fill(w.force.begin(), w.force.end(), 0.f);
   add(terms, solved, w.force);
   solve_blocks(w.force);

@@ -12,8 +12,7 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index nested_dissection = 3000;  // unknowns; fewer are ordered by minimum degree
-constexpr std::size_t num_subtrees = 16;          // about: of equal work, as far as the tree has them
+constexpr std::size_t num_subtrees = 16;  // about: of equal work, as far as the tree has them
 
 using Supernode = SupernodalFactor::Supernode;
 using Block = Eigen::Map<const Eigen::MatrixXf>;
@@ -137,14 +136,14 @@ void substitute(const SupernodalFactor& factor, const Supernode& node, Eigen::Ve
 
 }  // namespace
 
-bool factorize(const Eigen::SparseMatrix<double>& lower, SupernodalFactor& factor) {
+bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalFactor& factor) {
   factor = {};
   const SerialOpenMp serial;
   DoubleFactor with;
-  with.common.method[0].ordering = lower.rows() < nested_dissection ? CHOLMOD_AMD : CHOLMOD_METIS;
+  with.common.method[0].ordering = CHOLMOD_GIVEN;
   const auto view = lower.selfadjointView<Eigen::Lower>();
   cholmod_sparse matrix = Eigen::viewAsCholmod(view);
-  with.factor = cholmod_analyze(&matrix, &with.common);
+  with.factor = cholmod_analyze_p(&matrix, order.data(), nullptr, 0, &with.common);
   if (with.factor) cholmod_factorize(&matrix, with.factor, &with.common);
   if (with.common.status == CHOLMOD_OUT_OF_MEMORY || with.common.status == CHOLMOD_TOO_LARGE) throw std::bad_alloc();
   if (!with.factor || with.common.status != CHOLMOD_OK) return false;

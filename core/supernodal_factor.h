@@ -28,9 +28,9 @@ struct SupernodalFactor {
   int num_top = 0;
 };
 
-/// Factors a matrix given by its lower triangle. False if it is not positive definite in double precision; throws
-/// std::bad_alloc.
-bool factorize(const Eigen::SparseMatrix<double>& lower, SupernodalFactor& factor);
+/// Factors a matrix given by its lower triangle, with the unknowns eliminated in this order. False if it is not
+/// positive definite in double precision; throws std::bad_alloc.
+bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalFactor& factor);
 
 /// A^-1 b, to single precision; the same bits for any number of threads.
 VectorXd solve(const SupernodalFactor& factor, const VectorXd& b);

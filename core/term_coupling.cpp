@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -54,13 +55,45 @@ Eigen::SparseMatrix<double> coupling_matrix(const HexTerms& terms, const Aligned
   return matrix;
 }
 
+// Nested dissection in space, [first, end) of hexes: a layer of them parts the others and is eliminated after these.
+void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::iterator first,
+             std::vector<int>::iterator end) {
+  constexpr std::ptrdiff_t small = 16;
+  if (end - first <= small) return;
+  Vector3i least = of_terms[*first].cell, most = least;
+  for (auto at = first; at != end; ++at) {
+    least = least.cwiseMin(of_terms[*at].cell);
+    most = most.cwiseMax(of_terms[*at].cell);
+  }
+  int axis = 0;
+  (most - least).maxCoeff(&axis);
+  const auto place = [&](int hex) { return of_terms[hex].cell[axis]; };
+  const auto middle = first + (end - first) / 2;
+  std::nth_element(first, middle, end, [&](int a, int b) { return place(a) < place(b); });
+  const int layer = place(*middle);
+  if (least[axis] == most[axis]) return;
+  const auto below = std::stable_partition(first, end, [&](int hex) { return place(hex) < layer; });
+  const auto above = std::stable_partition(below, end, [&](int hex) { return place(hex) > layer; });
+  dissect(of_terms, first, below);
+  dissect(of_terms, below, above);
+}
+
+std::vector<int> elimination_order(const HexTerms& terms) {
+  std::vector<int> hexes(terms.hexes.size()), order;
+  std::iota(hexes.begin(), hexes.end(), 0);
+  dissect(terms.hexes, hexes.begin(), hexes.end());
+  for (const int hex : hexes)
+    for (int t = terms.hexes[hex].first; t < terms.hexes[hex].end; ++t) order.push_back(t);
+  return order;
+}
+
 }  // namespace
 
 TermCoupling make_term_coupling(const HexTerms& terms, const AlignedArray<float>& inverse) {
   TermCoupling coupling;
   const double count = double(terms.vectors.size()), slots = double(inverse.size() / inverse_components);
   if (count > 0 && factor_entries * std::pow(count, 4.0 / 3) <= most_entries * slots)
-    coupling.exists = factorize(coupling_matrix(terms, inverse), coupling.factor);
+    coupling.exists = factorize(coupling_matrix(terms, inverse), elimination_order(terms), coupling.factor);
   return coupling;
 }
 
