@@ -81,7 +81,7 @@ void copy_supernodes(const cholmod_factor& from, SupernodalFactor& to) {
 // Splits the tree at its heaviest nodes until about num_subtrees of equal work are left below them.
 void find_subtrees(SupernodalFactor& factor) {
   const int count = int(factor.supernodes.size());
-  std::vector<int> of_column(factor.order.size()), first(count), parent(count, -1);
+  std::vector<int> of_column(factor.order.size()), first(count);
   std::vector<std::vector<int>> children(count);
   std::vector<std::size_t> work(count, 0);
   for (int s = 0; s < count; ++s)
