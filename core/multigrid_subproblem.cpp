@@ -23,9 +23,11 @@ struct Accuracy {
   bool final = false;  // contacts must be as shallow as the solution's
 };
 
-Accuracy accuracy_at(double kkt_residual, double tolerance) {
+// coupled: limits are; the residual's norm then is one of the error, else it hides what changes from hex to hex
+Accuracy accuracy_at(double kkt_residual, double tolerance, bool coupled) {
   const double near = 3 * tolerance;  // the step's solution may be next
-  return {.first = std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
+  const double finer = coupled ? 1 : std::clamp(kkt_residual / 0.05, 0.2, 1.0);
+  return {.first = finer * std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
           .settled = std::clamp(0.3 * kkt_residual, std::min(0.2 * tolerance, 0.1), 0.1),
           .final = kkt_residual <= near};
 }
@@ -130,7 +132,8 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy = accuracy_at(report.kkt_residual, problem.options->solver.tolerance);
+  const Accuracy accuracy =
+      accuracy_at(report.kkt_residual, problem.options->solver.tolerance, is_coupled(*workspace.multigrid));
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
   NewtonStep newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces), true,

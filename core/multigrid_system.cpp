@@ -1,5 +1,7 @@
 #include "core/multigrid_system.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -140,6 +142,11 @@ void set_up(const StepProblem& problem, const Points& positions, const VectorXd&
   for (std::size_t b = 0; b < system.bodies.size(); ++b)
     set_up_matrix(problem, problem.model->bodies[b], positions, stiffening, system.bodies[b]);
   set_terms(*problem.model, terms, system);
+}
+
+bool is_coupled(const MultigridSystem& system) {
+  return std::all_of(system.bodies.begin(), system.bodies.end(),
+                     [](const BodyGrid& grid) { return grid.coupling.exists || grid.terms.vectors.empty(); });
 }
 
 LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,

@@ -41,6 +41,9 @@ MultigridSystem make_multigrid_system(const Model& model);
 void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
             const std::vector<HexTerm>& terms, MultigridSystem& system);
 
+/// Are the terms of every body coupled, that has any?
+bool is_coupled(const MultigridSystem& system);
+
 struct LinearSolution {
   VectorXd x;          // 3 #N
   VectorXd products;   // g . x of each term, as handed in, in their order

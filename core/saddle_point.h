@@ -1,13 +1,12 @@
 // Conjugate gradients for  (A + G G^T) x = b + G c  as the saddle-point system
 //
 //   [ A    G ] [x]   [b]
-//   [ G^T -I ] [y] = [c],   preconditioned by the multigrid for A and by the terms' coupling for S = I + G^T A^-1 G,
-// or by one block of it per hex where the coupling is too large to be factored.
-//
-// Multiplied by [A0^-1, 0; G^T A0^-1, -I] the system is symmetric and positive definite in the inner product with A -
-// A0, if A0 = B^-1 / gamma is smaller than A, B the multigrid: gamma grows where that turns out to be wrong. The count
-// of iterations depends little on how stiff the terms G are, and is half that of minimum residuals. Bramble and Pasciak
-// 1988; Elman, Silvester, Wathen (2014), Finite Elements and Fast Iterative Solvers, ch. 4.
+//   [ G^T -I ] [y] = [c],   preconditioned by the multigrid for A and the terms' coupling for I + G^T A^-1 G
+// Where the coupling is too large to be factored, one block of it per hex does. Multiplied by [A0^-1, 0; G^T A0^-1, -I]
+// the system is symmetric and positive definite in the inner product with A - A0, if A0 = B^-1 / gamma is smaller than
+// A, B the multigrid: gamma grows where that turns out to be wrong. The count of iterations depends little on how stiff
+// the terms G are, and is half that of minimum residuals. Bramble and Pasciak 1988; Elman, Silvester, Wathen (2014),
+// Finite Elements and Fast Iterative Solvers, ch. 4.
 #pragma once
 
 #include "core/hex_terms.h"

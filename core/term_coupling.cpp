@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -67,11 +68,13 @@ void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::itera
   }
   int axis = 0;
   (most - least).maxCoeff(&axis);
-  const auto place = [&](int hex) { return of_terms[hex].cell[axis]; };
-  const auto middle = first + (end - first) / 2;
-  std::nth_element(first, middle, end, [&](int a, int b) { return place(a) < place(b); });
-  const int layer = place(*middle);
   if (least[axis] == most[axis]) return;
+  const auto place = [&](int hex) { return of_terms[hex].cell[axis]; };
+  std::vector<int> places;
+  std::transform(first, end, std::back_inserter(places), place);
+  const auto middle = places.begin() + std::ssize(places) / 2;
+  std::nth_element(places.begin(), middle, places.end());
+  const int layer = *middle;
   const auto below = std::stable_partition(first, end, [&](int hex) { return place(hex) < layer; });
   const auto above = std::stable_partition(below, end, [&](int hex) { return place(hex) > layer; });
   dissect(of_terms, first, below);
