@@ -103,19 +103,26 @@ std::array<int, 8> shared_nodes(const Vector3i& step) {
   return local;
 }
 
-Matrix24d local_matrix(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot) {
-  Matrix24d A = Matrix24d::Zero();
+// Calls visit(Q, step, local) for the hexes that touch the one in a slot, itself too: their frame, where they are, and
+// which nodes they share with it.
+template <class Visit>
+void for_each_around(const BrickLattice& lattice, const HexMatrix<float>& matrix, int slot, const Visit& visit) {
   for (int n = 0; n < 27; ++n) {
     const int cell = slot_at(lattice, slot, neighbour_step(n));
     if (cell < 0) continue;
     const Matrix3d Q = frame_at(matrix, cell);
-    if (Q.isZero(0)) continue;
-    const std::array<int, 8> local = shared_nodes(neighbour_step(n));
+    if (!Q.isZero(0)) visit(Q, neighbour_step(n), shared_nodes(neighbour_step(n)));
+  }
+}
+
+Matrix24d local_matrix(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot) {
+  Matrix24d A = Matrix24d::Zero();
+  for_each_around(lattice, matrix, slot, [&](const Matrix3d& Q, const Vector3i&, const std::array<int, 8>& local) {
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
         if (local[a] >= 0 && local[b] >= 0)
           A.block<3, 3>(3 * local[a], 3 * local[b]) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
-  }
+  });
   return A;
 }
 
@@ -144,18 +151,12 @@ void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, con
   const auto at = [](const Vector3i& step) { return 16 * (step[0] + 1) + 4 * (step[1] + 1) + step[2] + 1; };
   for (int m = 0; m < 64; ++m) reached[m] = slot_at(lattice, slot, {m / 16 - 1, m / 4 % 4 - 1, m % 4 - 1});
   Eigen::Matrix<double, 24, 192> A = Eigen::Matrix<double, 24, 192>::Zero();
-  for (int n = 0; n < 27; ++n) {
-    const int cell = slot_at(lattice, slot, neighbour_step(n));
-    if (cell < 0) continue;
-    const Matrix3d Q = frame_at(matrix, cell);
-    if (Q.isZero(0)) continue;
-    const std::array<int, 8> local = shared_nodes(neighbour_step(n));
+  for_each_around(lattice, matrix, slot, [&](const Matrix3d& Q, const Vector3i& step, const std::array<int, 8>& local) {
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
         if (local[a] >= 0)
-          A.block<3, 3>(3 * local[a], 3 * at(neighbour_step(n) + corner_step(b))) +=
-              Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
-  }
+          A.block<3, 3>(3 * local[a], 3 * at(step + corner_step(b))) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+  });
   for (int n = 0; n < 8; ++n) {
     const double w = double(matrix.diagonal[nodes[n]]);
     if (w > 0)
