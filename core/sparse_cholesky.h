@@ -1,6 +1,7 @@
 // Sparse Cholesky factorisation with the symbolic analysis kept: the direct linear solver.
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
@@ -46,5 +47,17 @@ class SparseCholesky {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// A Cholesky factor's columns in groups with the same rows, as CHOLMOD stores them: of group s the columns starts[s]
+/// .. starts[s + 1], its rows (diagonal ones first) from row_starts[s] on, values by columns from value_starts[s] on.
+struct SupernodalColumns {
+  std::vector<int> order;  // unknown at each rank
+  std::vector<int> starts, row_starts, value_starts, rows;
+  std::vector<double> values;
+};
+
+/// Factors a matrix given by its lower triangle, eliminated in this order (but subtrees put together). False if it is
+/// not positive definite; throws std::bad_alloc.
+bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalColumns& columns);
 
 }  // namespace umax

@@ -1,13 +1,10 @@
 #include "core/supernodal_factor.h"
 
-#include <cholmod.h>
-
-#include <Eigen/CholmodSupport>
 #include <algorithm>
-#include <new>
+#include <utility>
 
 #include "core/parallel.h"
-#include "core/serial_openmp.h"
+#include "core/sparse_cholesky.h"
 
 namespace umax {
 namespace {
@@ -25,41 +22,18 @@ Block below(const SupernodalFactor& factor, const Supernode& node) {
   return {factor.values.data() + node.values + std::size_t(node.size) * std::size_t(node.size), node.rows, node.size};
 }
 
-// CHOLMOD's factor and what belongs to it
-struct DoubleFactor {
-  cholmod_common common{};
-  cholmod_factor* factor = nullptr;
-  DoubleFactor() {
-    cholmod_start(&common);
-    common.print = 0;
-    common.error_handler = nullptr;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.quick_return_if_not_posdef = 1;
-    common.nmethods = 1;
-  }
-  ~DoubleFactor() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
-  }
-  DoubleFactor(const DoubleFactor&) = delete;
-  DoubleFactor& operator=(const DoubleFactor&) = delete;
-};
-
-void copy_supernodes(const cholmod_factor& from, SupernodalFactor& to) {
-  const int *const super = static_cast<const int*>(from.super), *const pi = static_cast<const int*>(from.pi);
-  const int *const px = static_cast<const int*>(from.px), *const rows = static_cast<const int*>(from.s);
-  const double* const x = static_cast<const double*>(from.x);
-  const int* const order = static_cast<const int*>(from.Perm);
-  to.order.assign(order, order + from.n);
+void copy_supernodes(const SupernodalColumns& from, SupernodalFactor& to) {
+  to.order = from.order;
   std::size_t size = 0;
-  for (int s = 0; s < int(from.nsuper); ++s) {
+  for (int s = 0; s + 1 < int(from.starts.size()); ++s) {
     Supernode node;
-    node.first = super[s];
-    node.size = super[s + 1] - super[s];
-    node.rows = pi[s + 1] - pi[s] - node.size;
+    node.first = from.starts[s];
+    node.size = from.starts[s + 1] - node.first;
+    node.rows = from.row_starts[s + 1] - from.row_starts[s] - node.size;
     node.rows_first = int(to.row_indices.size());
     node.values = size;
-    to.row_indices.insert(to.row_indices.end(), rows + pi[s] + node.size, rows + pi[s + 1]);
+    to.row_indices.insert(to.row_indices.end(), from.rows.begin() + from.row_starts[s] + node.size,
+                          from.rows.begin() + from.row_starts[s + 1]);
     size += std::size_t(node.size) * std::size_t(node.size + node.rows);
     to.supernodes.push_back(node);
   }
@@ -67,7 +41,7 @@ void copy_supernodes(const cholmod_factor& from, SupernodalFactor& to) {
   parallel_blocks(Eigen::Index(to.supernodes.size()), 16, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index s = begin; s < end; ++s) {
       const Supernode& node = to.supernodes[s];
-      const Eigen::Map<const MatrixXd> L(x + px[s], node.size + node.rows, node.size);
+      const Eigen::Map<const MatrixXd> L(from.values.data() + from.value_starts[s], node.size + node.rows, node.size);
       Eigen::Map<Eigen::MatrixXf> inverse(to.values.data() + node.values, node.size, node.size);
       Eigen::Map<Eigen::MatrixXf> rest(inverse.data() + inverse.size(), node.rows, node.size);
       inverse =
@@ -138,16 +112,9 @@ void substitute(const SupernodalFactor& factor, const Supernode& node, Eigen::Ve
 
 bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalFactor& factor) {
   factor = {};
-  const SerialOpenMp serial;
-  DoubleFactor with;
-  with.common.method[0].ordering = CHOLMOD_GIVEN;
-  const auto view = lower.selfadjointView<Eigen::Lower>();
-  cholmod_sparse matrix = Eigen::viewAsCholmod(view);
-  with.factor = cholmod_analyze_p(&matrix, order.data(), nullptr, 0, &with.common);
-  if (with.factor) cholmod_factorize(&matrix, with.factor, &with.common);
-  if (with.common.status == CHOLMOD_OUT_OF_MEMORY || with.common.status == CHOLMOD_TOO_LARGE) throw std::bad_alloc();
-  if (!with.factor || with.common.status != CHOLMOD_OK) return false;
-  copy_supernodes(*with.factor, factor);
+  SupernodalColumns columns;
+  if (!factorize(lower, std::move(order), columns)) return false;
+  copy_supernodes(columns, factor);
   find_subtrees(factor);
   return true;
 }
