@@ -37,19 +37,26 @@ class SerialOpenMp {
   int levels_ = 1;
 };
 
-cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
+// the lower triangle in compressed columns, as a view
+cholmod_sparse lower_triangle(std::size_t size, std::size_t entries, const int* column_starts, const int* rows,
+                              const double* values) {
   cholmod_sparse view{};
-  view.nrow = view.ncol = std::size_t(matrix.num_unknowns());
-  view.nzmax = matrix.row_indices.size();
-  view.p = const_cast<int*>(matrix.column_starts.data());
-  view.i = const_cast<int*>(matrix.row_indices.data());
-  view.x = const_cast<double*>(matrix.values.data());
+  view.nrow = view.ncol = size;
+  view.nzmax = entries;
+  view.p = const_cast<int*>(column_starts);
+  view.i = const_cast<int*>(rows);
+  view.x = const_cast<double*>(values);
   view.stype = -1;
   view.itype = CHOLMOD_INT;
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
   view.sorted = view.packed = 1;
   return view;
+}
+
+cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
+  return lower_triangle(std::size_t(matrix.num_unknowns()), matrix.row_indices.size(), matrix.column_starts.data(),
+                        matrix.row_indices.data(), matrix.values.data());
 }
 
 }  // namespace
@@ -95,18 +102,8 @@ std::vector<int> elimination_order(const Model& model, const std::vector<int>& l
 }
 
 bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalColumns& columns) {
-  cholmod_sparse matrix{};
-  matrix.nrow = matrix.ncol = std::size_t(lower.rows());
-  matrix.nzmax = std::size_t(lower.nonZeros());
-  matrix.p = const_cast<int*>(lower.outerIndexPtr());
-  matrix.i = const_cast<int*>(lower.innerIndexPtr());
-  matrix.x = const_cast<double*>(lower.valuePtr());
-  matrix.stype = -1;
-  matrix.itype = CHOLMOD_INT;
-  matrix.xtype = CHOLMOD_REAL;
-  matrix.dtype = CHOLMOD_DOUBLE;
-  matrix.sorted = matrix.packed = 1;
-
+  cholmod_sparse matrix = lower_triangle(std::size_t(lower.rows()), std::size_t(lower.nonZeros()),
+                                         lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr());
   const SerialOpenMp serial;
   cholmod_common common{};
   cholmod_start(&common);

@@ -14,8 +14,7 @@ namespace {
 // Entries of the factor over n^(4/3) of n terms: 7.5 with 2051, 9 with 12,773, 10 with 84,109. A sweep over the lattice
 // costs as much as 50 entries a slot would, and a fifth of the iterations is left.
 constexpr double factor_entries = 10;
-constexpr double most_entries = 50;      // per slot of the lattice
-constexpr int nested_dissection = 3000;  // terms; fewer are ordered by minimum degree
+constexpr double most_entries = 50;  // per slot of the lattice
 
 struct TermAtNode {
   int node = 0, term = 0, corner = 0;

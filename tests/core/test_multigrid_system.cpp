@@ -1,0 +1,237 @@
+// The multigrid solver's parts for limits and contacts, each against dense algebra.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/multilevel_compliance.h"
+#include "core/step_problem.h"
+#include "tests/support/bodies.h"
+#include "tests/support/catch.h"
+#include "tests/support/hex_samples.h"
+
+using namespace umax;
+
+namespace {
+
+// A block at rest, more than the last level's nodes, with contacts under all of its lowest hexes.
+struct Resting {
+  Model model = make_model({test::make_block({6, 7, 8}, {0, 0, 0}, 0.1)}, {test::make_ground(0.5)});
+  StepOptions options;
+  State state = rest_state(model);
+  ContactGeometry geometry = make_contact_geometry(model);
+  StepProblem problem = begin_step(model, options, geometry, state);
+  std::vector<Contact> contacts;
+  MultigridSystem system = make_multigrid_system(model);
+
+  // every seventh hex is `stiffer` times as stiff, and one more
+  explicit Resting(const std::vector<HexTerm>& terms = {}, double stiffer = 0) {
+    const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
+    add_contacts(problem.contact, pushed_in, 0, contacts);
+    REQUIRE(contacts.size() == 48);
+    VectorXd stiffening = VectorXd::Zero(model.num_hexes());
+    for (Eigen::Index e = 0; e < stiffening.size(); e += 7) stiffening[e] = stiffer;
+    set_up(problem, state.positions, stiffening, terms, system);
+  }
+
+  // A, column by column
+  MatrixXd matrix() {
+    BodyGrid& grid = system.bodies.front();
+    const MultigridLevel& level = grid.multigrid.levels.front();
+    MatrixXd A(3 * model.num_nodes(), 3 * model.num_nodes());
+    AlignedArray<double> x(level.lattice.num_slots() * vector_components), y(x.size());
+    for (Eigen::Index i = 0; i < A.cols(); ++i) {
+      to_bricks(grid.node_slots, VectorXd::Unit(A.cols(), i), x);
+      apply(level.op, level.matrix, x, y);
+      VectorXd column;
+      from_bricks(grid.node_slots, y, column);
+      A.col(i) = column;
+    }
+    return A;
+  }
+};
+
+std::vector<HexTerm> random_terms(const Model& model, double least, double most) {
+  test::Random random(7);
+  std::vector<HexTerm> terms;
+  for (int hex = 0; hex < int(model.num_hexes()); hex += 3) {
+    HexTerm term;
+    term.hex = hex;
+    const double size = std::sqrt(least * std::pow(most / least, double(hex) / double(model.num_hexes())));
+    for (int i = 0; i < 24; ++i) term.vector[i] = size * random.uniform(-1, 1);
+    term.offset = random.uniform(-1, 1);
+    terms.push_back(term);
+  }
+  return terms;
+}
+
+VectorXd dense_term(const Model& model, const HexTerm& term) {
+  VectorXd g = VectorXd::Zero(3 * model.num_nodes());
+  for (int n = 0; n < 8; ++n) g.segment<3>(3 * model.hexes(term.hex, n)) = term.vector.segment<3>(3 * n);
+  return g;
+}
+
+}  // namespace
+
+TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
+  const Model model = Resting().model;
+  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e10);
+  // 80: the multigrid sees less than a quarter of some motions, so that A0 has to be made smaller on the way
+  const double stiffer = GENERATE(0., 80.);
+  CAPTURE(stiffer);
+  Resting resting(terms, stiffer);
+  MatrixXd A = resting.matrix();
+  for (const HexTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
+  test::Random random(3);
+  VectorXd b(A.rows());
+  for (double& value : b) value = random.uniform(-1, 1);
+  const LinearSolution solution = solve(model, b, false, {.tolerance = 1e-7}, resting.system);
+  const VectorXd expected = A.ldlt().solve(b);
+  CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
+  CHECK(solution.iterations <= (stiffer > 0 ? 130 : 60));
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const double product = dense_term(model, terms[t]).dot(expected);
+    CHECK(std::abs(solution.products[Eigen::Index(t)] - product) <= 1e-3 * solution.products.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("coupled terms of a bar that all hold the strain along it are solved for in few iterations") {
+  const Model model = make_model({test::make_block({5, 5, 24}, {0, 0, 0}, 0.1)}, {});
+  std::vector<HexTerm> terms;
+  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
+    HexTerm term{hex, Vector24d::Zero(), 0};
+    for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
+    terms.push_back(term);
+  }
+  StepOptions options;
+  const State state = rest_state(model);
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const StepProblem problem = begin_step(model, options, geometry, state);
+  MultigridSystem system = make_multigrid_system(model);
+  set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  REQUIRE(system.bodies.front().coupling.exists);
+
+  test::Random random(5);
+  VectorXd b(3 * model.num_nodes());
+  for (double& value : b) value = random.uniform(-1, 1);
+  const SaddlePointOptions accuracy{.tolerance = 1e-6};
+  const LinearSolution coupled = solve(model, b, false, accuracy, system);
+  system.bodies.front().coupling = {};
+  const LinearSolution hex_by_hex = solve(model, b, false, accuracy, system);
+  CAPTURE(coupled.iterations, hex_by_hex.iterations);
+  CHECK(coupled.iterations <= 60);
+  CHECK(hex_by_hex.iterations >= 2 * coupled.iterations);
+  CHECK((coupled.x - hex_by_hex.x).norm() <= 1e-3 * coupled.x.norm());
+}
+
+TEST_CASE("the coupling's factor inverts the identity plus what terms do to each other through single nodes") {
+  Resting resting(random_terms(Resting().model, 1e4, 1e6));
+  BodyGrid& grid = resting.system.bodies.front();
+  const auto count = Eigen::Index(grid.terms.vectors.size());
+  AlignedArray<float> pushes(grid.b.size()), moves(grid.b.size());
+  MatrixXd P(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    std::fill(pushes.begin(), pushes.end(), 0.f);
+    add(grid.terms, VectorXd::Unit(count, i), pushes);
+    VectorXd force;
+    from_bricks(grid.node_slots, pushes, force);
+    for (Eigen::Index n = 0; n < resting.model.num_nodes(); ++n)
+      force.segment<3>(3 * n) =
+          inverse_block(grid.multigrid.levels.front().inverse, grid.node_slots[n]) * force.segment<3>(3 * n);
+    to_bricks(grid.node_slots, force, moves);
+    VectorXd products(count);
+    multiply(grid.terms, moves, products);
+    P.col(i) = products + VectorXd::Unit(count, i);
+  }
+  const VectorXd x = VectorXd::LinSpaced(count, -1, 2);
+  CHECK((solve(grid.coupling.factor, P * x) - x).norm() <= 1e-3 * x.norm());
+}
+
+TEST_CASE("a stiff term's force may stand in the right-hand side or be taken out of it") {
+  const Model model = Resting().model;
+  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
+  Resting resting(terms);
+  VectorXd b = VectorXd::Ones(3 * model.num_nodes());
+  for (const HexTerm& term : terms) b -= term.offset * dense_term(model, term);
+  const SaddlePointOptions options{.tolerance = 1e-7};
+  const LinearSolution within = solve(model, b, false, options, resting.system);
+  const LinearSolution taken_out = solve(model, b, true, options, resting.system);
+  CHECK((within.x - taken_out.x).norm() <= 1e-4 * within.x.norm());
+  CHECK((within.products - taken_out.products).norm() <= 1e-4 * within.products.norm());
+}
+
+TEST_CASE("the multilevel compliance is the Delassus matrix up to a small factor, and symmetric") {
+  Resting resting;
+  const MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  MatrixXd nearly(size, size), J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    nearly.col(i) = apply(compliance, VectorXd::Unit(size, i));
+    spread(resting.model, resting.contacts[std::size_t(i / 3)], Vector3d::Unit(i % 3), J.col(i));
+  }
+  CHECK((nearly - nearly.transpose()).cwiseAbs().maxCoeff() <= 1e-6 * nearly.cwiseAbs().maxCoeff());
+  const MatrixXd delassus = J.transpose() * resting.matrix().ldlt().solve(J);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(delassus, 0.5 * (nearly + nearly.transpose()),
+                                                                 Eigen::EigenvaluesOnly);
+  CHECK(eigen.eigenvalues().minCoeff() >= 0.1);
+  CHECK(eigen.eigenvalues().maxCoeff() <= 3);
+}
+
+namespace {
+
+MatrixXd matrix_of(const MultilevelCompliance& compliance, Eigen::Index size) {
+  MatrixXd W(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) W.col(i) = apply(compliance, VectorXd::Unit(size, i));
+  return W;
+}
+
+// what `count` random forces really do
+void learn_random(Resting& resting, int count, MultilevelCompliance& compliance) {
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  MatrixXd J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    spread(resting.model, resting.contacts[std::size_t(i / 3)], Vector3d::Unit(i % 3), J.col(i));
+  const MatrixXd delassus = J.transpose() * resting.matrix().ldlt().solve(J);
+  test::Random random(11);
+  for (int n = 0; n < count; ++n) {
+    VectorXd force(size);
+    for (double& value : force) value = random.uniform(-1, 1);
+    learn(force, delassus * force, compliance);
+    CHECK((apply(compliance, force) - delassus * force).norm() <= 1e-9 * (delassus * force).norm());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a compliance that has learnt responses gives them again, and stays symmetric and positive definite") {
+  Resting resting;
+  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  learn_random(resting, 12, compliance);
+  CHECK(compliance.forces.cols() == 8);  // the last ones
+  const MatrixXd W = matrix_of(compliance, 3 * Eigen::Index(resting.contacts.size()));
+  CHECK((W - W.transpose()).cwiseAbs().maxCoeff() <= 1e-6 * W.cwiseAbs().maxCoeff());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(W, Eigen::EigenvaluesOnly);
+  CHECK(eigen.eigenvalues().minCoeff() > 0);
+
+  const VectorXd again = compliance.forces.col(7);
+  learn(again, compliance.responses.col(7), compliance);  // nothing new: told twice
+  CHECK((apply(compliance, again) - compliance.responses.rightCols(1)).norm() <= 1e-9);
+}
+
+TEST_CASE("sweeps over the multilevel compliance end where those over its matrix do") {
+  Resting resting;
+  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
+  learn_random(resting, GENERATE(0, 3), compliance);
+  ComplementarityProblem problem;
+  problem.W = matrix_of(compliance, size);
+  test::Random random(5);
+  problem.q.resize(size);
+  for (double& value : problem.q) value = random.uniform(-2, 1) * 1e-3;
+  for (const Contact& contact : resting.contacts) problem.contacts.push_back({contact.normal, contact.friction, 0});
+  VectorXd expected = VectorXd::Zero(size), forces = expected;
+  REQUIRE(gauss_seidel(problem, {.max_sweeps = 20000, .tolerance = 1e-10}, expected).converged);
+  gauss_seidel(compliance, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
+  CHECK(expected.maxCoeff() > 0);
+  CHECK((forces - expected).cwiseAbs().maxCoeff() <= 1e-5 * expected.cwiseAbs().maxCoeff());
+}
