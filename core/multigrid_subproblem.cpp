@@ -32,16 +32,11 @@ Accuracy accuracy_at(double kkt_residual, double tolerance, bool coupled) {
           .final = kkt_residual <= near};
 }
 
-// forces, and what follows from them linearly
+// forces, and what follows from them
 struct ContactSolution {
   VectorXd forces;  // 3 per contact [N]
-  VectorXd step;    // 3 #N [m]
-  VectorXd limit_change;
+  NewtonStep newton;
 };
-
-ContactSolution plus(const ContactSolution& a, double share, const ContactSolution& b) {
-  return {a.forces + share * b.forces, a.step + share * b.step, a.limit_change + share * b.limit_change};
-}
 
 VectorXd motions_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& step) {
   VectorXd motions(3 * Eigen::Index(contacts.size()));
@@ -68,14 +63,6 @@ VectorXd known_forces(const StepProblem& problem, const std::vector<Contact>& co
   return forces;
 }
 
-// what a change of forces does to the step
-ContactSolution response(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
-                         const VectorXd& change, double accuracy, Workspace::Data& workspace, StepReport& report) {
-  NewtonStep newton = solve_multigrid(problem, at, -push_of(*problem.model, iterate.contacts, change), false, accuracy,
-                                      workspace, report);
-  return {change, std::move(newton.step), std::move(newton.limit_change)};
-}
-
 // contacts as rows whose w is the motion relative to the obstacle, of which `fixed` is there before the step
 std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& iterate, VectorXd& fixed) {
   std::vector<ContactRow> rows;
@@ -92,7 +79,7 @@ std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& 
 // is no contact deeper after the step than a small share of what is bearable?
 bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
               const VectorXd& fixed, const ContactSolution& solution) {
-  const VectorXd w = fixed + motions_of(*problem.model, iterate.contacts, solution.step);
+  const VectorXd w = fixed + motions_of(*problem.model, iterate.contacts, solution.newton.step);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
     const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
@@ -107,21 +94,23 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
   MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
+  VectorXd motions = motions_of(model, iterate.contacts, solution.newton.step);
   for (int i = 0; i < max_corrections; ++i) {
-    const VectorXd w = fixed + motions_of(model, iterate.contacts, solution.step);
     VectorXd forces = solution.forces;
-    gauss_seidel(compliance, rows, w - apply(compliance, forces),
+    gauss_seidel(compliance, rows, fixed + motions - apply(compliance, forces),
                  {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
-    if (missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution))) break;
-    const double exactly = std::clamp(response_margin * bearable / missing, finest_response, coarsest_response);
-    const ContactSolution correction = response(problem, at, iterate, change, exactly, workspace, report);
-    const VectorXd motion = motions_of(model, iterate.contacts, correction.step);
-    // the largest share that cannot overshoot: curvature met over curvature assumed
-    const double met = change.dot(motion), assumed = change.dot(apply(compliance, change));
-    solution = plus(solution, met > assumed ? assumed / met : 1, correction);
-    learn(change, motion, compliance);
+    const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution));
+    if (settled && solution.newton.residual <= accuracy.first) break;
+    const double exactly =
+        settled ? 0 : std::clamp(response_margin * bearable / missing, finest_response, coarsest_response);
+    solution.forces = forces;
+    solution.newton = solve_on(problem, at, push_of(model, iterate.contacts, change),
+                               {.tolerance = accuracy.first, .reduction = exactly}, workspace, report);
+    const VectorXd moved = motions_of(model, iterate.contacts, solution.newton.step);
+    learn(change, moved - motions, compliance);
+    motions = moved;
   }
 }
 
@@ -136,18 +125,16 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
       accuracy_at(report.kkt_residual, problem.options->solver.tolerance, is_coupled(*workspace.multigrid));
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
-  NewtonStep newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces), true,
-                                      accuracy.first, workspace, report);
-  solution.step = std::move(newton.step);
-  solution.limit_change = std::move(newton.limit_change);
+  solution.newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces),
+                                    {.tolerance = accuracy.first}, workspace, report);
   for (int round = 0; round < max_contact_rounds; ++round) {
     if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, workspace, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
-    if (add_linearised_contacts(problem, solution.step, iterate) == 0) break;
+    if (add_linearised_contacts(problem, solution.newton.step, iterate) == 0) break;
     solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
   }
-  return {std::move(solution.step), std::move(solution.limit_change)};
+  return std::move(solution.newton);
 }
 
 }  // namespace umax

@@ -10,15 +10,15 @@ namespace {
 
 constexpr Eigen::Index grain = 4096;
 
-// the body's part of what is given per node of the model, as node vectors in bricks
-template <class T>
-void to_bricks(const Model::BodyRange& body, const std::vector<int>& slots, const double* values, double factor,
-               AlignedArray<T>& bricks) {
+// calls put(value in bricks, value given) for the body's part of what is given per node of the model
+template <class T, class Put>
+void to_bricks(const Model::BodyRange& body, const std::vector<int>& slots, const double* values,
+               AlignedArray<T>& bricks, const Put& put) {
   parallel_blocks(body.num_nodes, grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index node = begin; node < end; ++node)
       for (int c = 0; c < 3; ++c)
-        bricks[slot_offset(slots[node], vector_components) + std::size_t(c) * brick_lanes] =
-            T(factor * values[3 * (body.first_node + node) + c]);
+        put(bricks[slot_offset(slots[node], vector_components) + std::size_t(c) * brick_lanes],
+            values[3 * (body.first_node + node) + c]);
   });
 }
 
@@ -47,9 +47,7 @@ BodyGrid make_body_grid(const Model& model, const Model::BodyRange& body) {
   grid.node_slots = node_slots(lattice, body.cells, hexes, body.num_nodes);
   grid.stiffness = AlignedArray<float>(lattice.num_slots());
   grid.positions = AlignedArray<double>(lattice.num_slots() * vector_components);
-  grid.b = AlignedArray<float>(lattice.num_slots() * vector_components);
-  grid.x = AlignedArray<float>(lattice.num_slots() * vector_components);
-  grid.workspace = make_saddle_point_workspace(grid.multigrid);
+  grid.point = make_saddle_point(grid.multigrid);
   return grid;
 }
 
@@ -72,7 +70,7 @@ void set_up_matrix(const StepProblem& problem, const Model::BodyRange& body, con
       level.matrix.diagonal[grid.node_slots[i]] = model.node_fixed[node] ? -w : w;
     }
   });
-  to_bricks(body, grid.node_slots, positions.data(), 1, grid.positions);
+  to_bricks(body, grid.node_slots, positions.data(), grid.positions, [](double& in, double given) { in = given; });
   set_frames(level.op, grid.positions, grid.stiffness, level.matrix);
   set_up(grid.multigrid);
 }
@@ -149,29 +147,48 @@ bool is_coupled(const MultigridSystem& system) {
                      [](const BodyGrid& grid) { return grid.coupling.exists || grid.terms.vectors.empty(); });
 }
 
-LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,
-                     MultigridSystem& system) {
-  LinearSolution solution{VectorXd::Zero(3 * model.num_nodes()), {}, 0};
-  Eigen::Index num_terms = 0;
-  for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(grid.terms.vectors.size());
-  solution.products.setZero(num_terms);
+void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system) {
   VectorXd rest = b;
   if (with_offsets) rest += system.offset_force;
   for (std::size_t i = 0; i < system.bodies.size(); ++i) {
-    const Model::BodyRange& body = model.bodies[i];
     BodyGrid& grid = system.bodies[i];
     VectorXd c = VectorXd::Zero(grid.terms.offsets.size());
-    if (with_offsets) c = -grid.terms.offsets;
-    const double largest = largest_value(body, rest);
-    if (!(largest > 0) && c.isZero(0)) continue;
-    const double unit = largest > 0 ? largest : 1;  // so that nothing leaves the range of float
-    to_bricks(body, grid.node_slots, rest.data(), 1 / unit, grid.b);
-    VectorXd y;
-    solution.iterations +=
-        solve(grid.multigrid, grid.terms, grid.coupling, options, grid.b, c / unit, grid.workspace, grid.x, y)
-            .iterations;
-    for (Eigen::Index t = 0; t < y.size(); ++t) solution.products[grid.terms.sources[t]] = unit * y[t] + c[t];
-    from_bricks(body, grid.node_slots, grid.x, unit, solution.x);
+    grid.unit = largest_value(model.bodies[i], rest);
+    if (with_offsets && !grid.terms.offsets.isZero(0)) {
+      if (grid.unit == 0) grid.unit = 1;
+      c = -grid.terms.offsets / grid.unit;
+    }
+    begin(c, grid.point);
+  }
+  add_force(model, rest, system);
+}
+
+void add_force(const Model& model, const VectorXd& force, MultigridSystem& system) {
+  for (std::size_t i = 0; i < system.bodies.size(); ++i) {
+    const Model::BodyRange& body = model.bodies[i];
+    BodyGrid& grid = system.bodies[i];
+    if (grid.unit == 0) grid.unit = largest_value(body, force);
+    if (grid.unit == 0) continue;
+    const double factor = 1 / grid.unit;
+    to_bricks(body, grid.node_slots, force.data(), grid.point.residual,
+              [factor](float& in, double given) { in += float(factor * given); });
+  }
+}
+
+LinearSolution solve(const Model& model, const SaddlePointOptions& options, MultigridSystem& system) {
+  LinearSolution solution{.x = VectorXd::Zero(3 * model.num_nodes()), .products = {}};
+  Eigen::Index num_terms = 0;
+  for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(grid.terms.vectors.size());
+  solution.products.setZero(num_terms);
+  for (std::size_t i = 0; i < system.bodies.size(); ++i) {
+    BodyGrid& grid = system.bodies[i];
+    if (grid.unit == 0) continue;
+    const SaddlePointReport report = solve(grid.multigrid, grid.terms, grid.coupling, options, grid.point);
+    solution.iterations += report.iterations;
+    solution.residual = std::max(solution.residual, report.residual);
+    const VectorXd products = grid.unit * (grid.point.y + grid.point.c);
+    for (Eigen::Index t = 0; t < products.size(); ++t) solution.products[grid.terms.sources[t]] = products[t];
+    from_bricks(model.bodies[i], grid.node_slots, grid.point.x, grid.unit, solution.x);
   }
   return solution;
 }

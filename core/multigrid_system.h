@@ -17,10 +17,10 @@ struct BodyGrid {
   std::vector<int> cell_slots, node_slots;
   AlignedArray<float> stiffness;   // per cell [Pa]
   AlignedArray<double> positions;  // per node [m]
-  AlignedArray<float> b, x;        // right-hand side and solution
-  SaddlePointWorkspace workspace;
   HexTerms terms;
   TermCoupling coupling;
+  SaddlePoint point;  // in units of
+  double unit = 0;    // [N] so that nothing leaves the range of float; 0: no force has come yet
 };
 
 struct MultigridSystem {
@@ -44,15 +44,21 @@ void set_up(const StepProblem& problem, const Points& positions, const VectorXd&
 /// Are the terms of every body coupled, that has any?
 bool is_coupled(const MultigridSystem& system);
 
+/// Begins to solve (A + sum g g^T) x = b from x = 0, for b of 3 #N, zero at fixed nodes. with_offsets: b holds the
+/// terms' forces -g offset, which may be too large to leave them to rounding.
+void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system);
+
+/// b += force.
+void add_force(const Model& model, const VectorXd& force, MultigridSystem& system);
+
 struct LinearSolution {
-  VectorXd x;          // 3 #N
-  VectorXd products;   // g . x of each term, as handed in, in their order
-  int iterations = 0;  // of all bodies
+  VectorXd x;           // 3 #N
+  VectorXd products;    // g . x of each term, as handed in, in their order
+  int iterations = 0;   // of all bodies
+  double residual = 0;  // [-] the largest of a body, as SaddlePointOptions::tolerance
 };
 
-/// x ~ (A + sum g g^T)^-1 b for b of 3 #N, zero at fixed nodes. with_offsets: b holds the terms' forces -g offset,
-/// which may be too large to leave them to rounding.
-LinearSolution solve(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,
-                     MultigridSystem& system);
+/// Improves x, for the forces so far.
+LinearSolution solve(const Model& model, const SaddlePointOptions& options, MultigridSystem& system);
 
 }  // namespace umax

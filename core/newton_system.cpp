@@ -116,6 +116,18 @@ HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const Lim
   return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
 }
 
+NewtonStep solve_further(const StepProblem& problem, const Linearisation& at, const SaddlePointOptions& options,
+                         Workspace::Data& workspace, StepReport& report) {
+  LinearSolution solution = solve(*problem.model, options, *workspace.multigrid);
+  report.linear_iterations += solution.iterations;
+  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size())), solution.residual};
+  Eigen::Index term = 0;
+  for (std::size_t l = 0; l < at.limits.size(); ++l)
+    if (at.limits[l].rank_one > 0)
+      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
+  return newton;
+}
+
 }  // namespace
 
 bool uses_multigrid(const Model& model, const SolverOptions& solver) {
@@ -139,22 +151,22 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
 }
 
 NewtonStep solve_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
-                           bool with_offsets, double accuracy, Workspace::Data& workspace, StepReport& report) {
-  LinearSolution solution = solve(*problem.model, -slope, with_offsets, {.tolerance = accuracy}, *workspace.multigrid);
-  report.linear_iterations += solution.iterations;
-  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size()))};
-  Eigen::Index term = 0;
-  for (std::size_t l = 0; l < at.limits.size(); ++l)
-    if (at.limits[l].rank_one > 0)
-      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
-  return newton;
+                           const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report) {
+  begin(*problem.model, -slope, true, *workspace.multigrid);
+  return solve_further(problem, at, options, workspace, report);
+}
+
+NewtonStep solve_on(const StepProblem& problem, const Linearisation& at, const VectorXd& forces,
+                    const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report) {
+  add_force(*problem.model, forces, *workspace.multigrid);
+  return solve_further(problem, at, options, workspace, report);
 }
 
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   if (uses_multigrid(*problem.model, problem.options->solver)) {
     set_up_multigrid(problem, at, iterate, workspace);
-    return solve_multigrid(problem, at, slope, true, accuracy, workspace, report).step;
+    return solve_multigrid(problem, at, slope, {.tolerance = accuracy}, workspace, report).step;
   }
   report.factorisations += factorize(problem, at, iterate, workspace);
   VectorXd step = -slope;

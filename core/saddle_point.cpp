@@ -24,7 +24,7 @@ void scale(const BrickLattice& lattice, float factor, const AlignedArray<float>&
 }
 
 // the direction from the residual's image and the direction before; force = A d
-void turn(const BrickLattice& lattice, float beta, SaddlePointWorkspace& w) {
+void turn(const BrickLattice& lattice, float beta, SaddlePoint& w) {
   const float *solved = w.solved.data(), *applied = w.applied.data();
   float *d = w.direction.data(), *Ad = w.direction_applied.data(), *force = w.force.data();
   over_values(lattice, [&](std::size_t first, std::size_t end) {
@@ -37,10 +37,9 @@ void turn(const BrickLattice& lattice, float beta, SaddlePointWorkspace& w) {
 }
 
 // x and what belongs to it, along the direction; image: B force
-void advance(const BrickLattice& lattice, float alpha, float gamma, const AlignedArray<float>& image,
-             SaddlePointWorkspace& w, AlignedArray<float>& solution) {
+void advance(const BrickLattice& lattice, float alpha, float gamma, const AlignedArray<float>& image, SaddlePoint& w) {
   const float *d = w.direction.data(), *force = w.force.data(), *from = image.data();
-  float *x = solution.data(), *r = w.residual.data(), *solved = w.solved.data();
+  float *x = w.x.data(), *r = w.residual.data(), *solved = w.solved.data();
   const float back = alpha * gamma;
   over_values(lattice, [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
@@ -54,7 +53,7 @@ void advance(const BrickLattice& lattice, float alpha, float gamma, const Aligne
 
 // S^-1 of what the terms have, nearly. Uses w.force and the first level's first iterate.
 VectorXd precondition_terms(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
-                            const VectorXd& values, SaddlePointWorkspace& w) {
+                            const VectorXd& values, SaddlePoint& w) {
   if (!coupling.exists) return precondition(terms, values);
   MultigridLevel& level = multigrid.levels.front();
   const auto solve_blocks = [&](AlignedArray<float>& x) {
@@ -77,61 +76,73 @@ VectorXd precondition_terms(Multigrid& multigrid, const HexTerms& terms, const T
 
 }  // namespace
 
-SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid) {
+SaddlePoint make_saddle_point(const Multigrid& multigrid) {
   const std::size_t size = multigrid.levels.front().lattice.num_slots() * vector_components;
-  SaddlePointWorkspace workspace;
-  for (AlignedArray<float>* v : {&workspace.residual, &workspace.solved, &workspace.applied, &workspace.direction,
-                                 &workspace.direction_applied, &workspace.force})
+  SaddlePoint point;
+  for (AlignedArray<float>* v : {&point.x, &point.residual, &point.solved, &point.applied, &point.direction,
+                                 &point.direction_applied, &point.force})
     *v = AlignedArray<float>(size);
-  return workspace;
+  return point;
+}
+
+void begin(const VectorXd& c, SaddlePoint& point) {
+  for (AlignedArray<float>* zero : {&point.x, &point.residual}) std::fill(zero->begin(), zero->end(), 0.f);
+  point.y = VectorXd::Zero(c.size());
+  point.c = point.term_residual = c;
+  point.gamma = first_gamma;
+  point.largest_norm = 0;
 }
 
 SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
-                        const SaddlePointOptions& options, const AlignedArray<float>& b, const VectorXd& c,
-                        SaddlePointWorkspace& workspace, AlignedArray<float>& x, VectorXd& y) {
+                        const SaddlePointOptions& options, SaddlePoint& point) {
   MultigridLevel& level = multigrid.levels.front();
   const BrickLattice& lattice = level.lattice;
-  SaddlePointWorkspace& w = workspace;
-  for (AlignedArray<float>* zero : {&x, &w.direction, &w.direction_applied}) std::fill(zero->begin(), zero->end(), 0.f);
-  std::copy(b.begin(), b.end(), w.residual.begin());
-  // of the terms: s = c - G^T x + y, the direction e, G^T of what the nodes have
-  VectorXd s = c, e = VectorXd::Zero(c.size()), of_solved = e, of_direction = e, of_image = e;
-  y = e;
+  SaddlePoint& w = point;
+  VectorXd& s = w.term_residual;  // c - G^T x + y
+  for (AlignedArray<float>* zero : {&w.direction, &w.direction_applied}) std::fill(zero->begin(), zero->end(), 0.f);
+  // the direction of the terms, G^T of what the nodes have
+  VectorXd e = VectorXd::Zero(s.size()), of_solved = e, of_direction = e, of_image = e;
 
-  double gamma = first_gamma, product = 0, first = 0, before = 0;
+  double product = 0, started = 0, before = 0;
   bool fresh = false;
   const auto restart = [&] {  // from the residual, along it
-    scale(lattice, float(gamma), precondition(multigrid, w.residual, product), w.solved);
+    scale(lattice, float(w.gamma), precondition(multigrid, w.residual, product), w.solved);
     multiply(terms, w.solved, of_solved);
     before = 0;
     fresh = true;
   };
   const auto enlarge = [&] {
-    gamma *= 2;
+    w.gamma *= 2;
     restart();
-    return gamma <= last_gamma;
+    return w.gamma <= last_gamma;
   };
   restart();
   SaddlePointReport report;
-  while (report.iterations < options.max_iterations) {
+  while (true) {
     const double applied = apply(level.op, level.matrix, w.solved, w.applied);
     const VectorXd of_terms = of_solved - s;
     const VectorXd preconditioned = precondition_terms(multigrid, terms, coupling, of_terms, w);
-    const double norm = applied - dot(lattice, w.residual, w.solved) + of_terms.dot(preconditioned);  // squared
-    if (norm == 0) break;
-    if (!(norm > 0)) {  // A0 is not smaller than A, or rounding has parted the residual from its image
+    const double squared = applied - dot(lattice, w.residual, w.solved) + of_terms.dot(preconditioned);
+    if (squared == 0) {
+      report.residual = 0;
+      break;
+    }
+    if (!(squared > 0)) {  // A0 is not smaller than A, or rounding has parted the residual from its image
       if (!fresh)
         restart();
       else if (!enlarge())
         break;
       continue;
     }
-    if (first == 0) first = norm;
-    report.residual = std::sqrt(norm / first);
-    if (report.residual <= options.tolerance) break;
+    const double norm = std::sqrt(squared);
+    if (started == 0) started = norm;
+    w.largest_norm = std::max(w.largest_norm, started);
+    report.residual = norm / w.largest_norm;
+    if (report.residual <= options.tolerance || norm <= options.reduction * started) break;
+    if (report.iterations == options.max_iterations) break;
     ++report.iterations;
-    const double beta = before > 0 ? norm / before : 0;
-    before = norm;
+    const double beta = before > 0 ? squared / before : 0;
+    before = squared;
     fresh = false;
     turn(lattice, float(beta), w);
     e = preconditioned + beta * e;
@@ -140,15 +151,15 @@ SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const TermC
     const AlignedArray<float>& image = precondition(multigrid, w.force, product);
     multiply(terms, image, of_image);
     const double curvature =
-        gamma * product - dot(lattice, w.direction, w.force) - e.dot(of_direction) + e.squaredNorm();
+        w.gamma * product - dot(lattice, w.direction, w.force) - e.dot(of_direction) + e.squaredNorm();
     if (!(curvature > 0)) {
       if (!enlarge()) break;
       continue;
     }
-    const double alpha = norm / curvature;
-    advance(lattice, float(alpha), float(gamma), image, w, x);
-    y += alpha * e;
-    of_solved -= alpha * gamma * of_image;
+    const double alpha = squared / curvature;
+    advance(lattice, float(alpha), float(w.gamma), image, w);
+    w.y += alpha * e;
+    of_solved -= alpha * w.gamma * of_image;
     s -= alpha * (of_direction - e);
   }
   return report;

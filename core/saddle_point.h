@@ -16,26 +16,33 @@
 namespace umax {
 
 struct SaddlePointOptions {
-  double tolerance = 1e-3;  // [-] fall of the residual in the inner product's norm
+  double tolerance = 1e-3;  // [-] fall of the residual in the inner product's norm, from the largest since begin()
+  double reduction = 0;     // [-] or its fall during this solve, whichever is reached first
   int max_iterations = 300;
 };
 
 struct SaddlePointReport {
   int iterations = 0;
-  double residual = 0;  // [-] what it fell to
+  double residual = 0;  // [-] what it fell to, from the largest since begin()
 };
 
-/// Memory that solve() works in.
-struct SaddlePointWorkspace {
-  AlignedArray<float> residual, solved, applied;            // r = b - A x - G y, A0^-1 r, A A0^-1 r
+/// A solution on its way, and the memory that solve() works in.
+struct SaddlePoint {
+  AlignedArray<float> x, residual;  // of the nodes; r = b - A x - G y
+  VectorXd y, c, term_residual;     // of the terms: y = G^T x - c is as exact as x is, though G x would cancel
+  double gamma = 0;                 // A0 = B^-1 / gamma
+  double largest_norm = 0;
+  AlignedArray<float> solved, applied;                      // A0^-1 r, A A0^-1 r
   AlignedArray<float> direction, direction_applied, force;  // d, A d, A d + G e of the direction (d, e)
 };
-SaddlePointWorkspace make_saddle_point_workspace(const Multigrid& multigrid);
+SaddlePoint make_saddle_point(const Multigrid& multigrid);
 
-/// Solves from x = 0 with the finest level's matrix, which set_up() has seen; b is zero at nodes that are not free.
-/// y = G^T x - c is as exact as x is, though G x would cancel.
+/// x = 0 and b = 0.
+void begin(const VectorXd& c, SaddlePoint& point);
+
+/// Improves x and y with the finest level's matrix, which set_up() has seen. Whoever adds to b adds to the residual,
+/// zero at nodes that are not free, and solves on: what solves before have left over is made good by those that follow.
 SaddlePointReport solve(Multigrid& multigrid, const HexTerms& terms, const TermCoupling& coupling,
-                        const SaddlePointOptions& options, const AlignedArray<float>& b, const VectorXd& c,
-                        SaddlePointWorkspace& workspace, AlignedArray<float>& x, VectorXd& y);
+                        const SaddlePointOptions& options, SaddlePoint& point);
 
 }  // namespace umax

@@ -71,6 +71,12 @@ VectorXd dense_term(const Model& model, const HexTerm& term) {
   return g;
 }
 
+LinearSolution solve_from_rest(const Model& model, const VectorXd& b, bool with_offsets,
+                               const SaddlePointOptions& options, MultigridSystem& system) {
+  begin(model, b, with_offsets, system);
+  return solve(model, options, system);
+}
+
 }  // namespace
 
 TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
@@ -85,7 +91,7 @@ TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than t
   test::Random random(3);
   VectorXd b(A.rows());
   for (double& value : b) value = random.uniform(-1, 1);
-  const LinearSolution solution = solve(model, b, false, {.tolerance = 1e-7}, resting.system);
+  const LinearSolution solution = solve_from_rest(model, b, false, {.tolerance = 1e-7}, resting.system);
   const VectorXd expected = A.ldlt().solve(b);
   CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
   CHECK(solution.iterations <= (stiffer > 0 ? 130 : 60));
@@ -93,6 +99,30 @@ TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than t
     const double product = dense_term(model, terms[t]).dot(expected);
     CHECK(std::abs(solution.products[Eigen::Index(t)] - product) <= 1e-3 * solution.products.cwiseAbs().maxCoeff());
   }
+}
+
+TEST_CASE("forces that are added to a system are solved for with what solves before have left over") {
+  const std::vector<HexTerm> terms = random_terms(Resting().model, 1e4, 1e10);
+  Resting resting(terms);
+  const Model& model = resting.model;
+  test::Random random(3);
+  VectorXd b(3 * model.num_nodes()), added(b.size());
+  for (double& value : b) value = random.uniform(-1, 1);
+  for (double& value : added) value = random.uniform(-1, 1);
+  const VectorXd expected = solve_from_rest(model, b + added, false, {.tolerance = 1e-6}, resting.system).x;
+
+  const LinearSolution loose = solve_from_rest(model, b, false, {.tolerance = 0.3}, resting.system);
+  CHECK(loose.residual <= 0.3);
+  add_force(model, added, resting.system);
+  const LinearSolution fallen = solve(model, {.tolerance = 1e-6, .reduction = 0.1}, resting.system);
+  CHECK(fallen.residual > 1e-6);
+  CHECK(fallen.residual <= 0.1);
+  const LinearSolution whole = solve(model, {.tolerance = 1e-6}, resting.system);
+  CHECK(whole.residual <= 1e-6);
+  CHECK((whole.x - expected).norm() <= 1e-4 * expected.norm());
+  const LinearSolution again = solve(model, {.tolerance = 1e-5}, resting.system);
+  CHECK(again.iterations == 0);
+  CHECK(again.x == whole.x);
 }
 
 TEST_CASE("coupled terms of a bar that all hold the strain along it are solved for in few iterations") {
@@ -115,9 +145,9 @@ TEST_CASE("coupled terms of a bar that all hold the strain along it are solved f
   VectorXd b(3 * model.num_nodes());
   for (double& value : b) value = random.uniform(-1, 1);
   const SaddlePointOptions accuracy{.tolerance = 1e-6};
-  const LinearSolution coupled = solve(model, b, false, accuracy, system);
+  const LinearSolution coupled = solve_from_rest(model, b, false, accuracy, system);
   system.bodies.front().coupling = {};
-  const LinearSolution hex_by_hex = solve(model, b, false, accuracy, system);
+  const LinearSolution hex_by_hex = solve_from_rest(model, b, false, accuracy, system);
   CAPTURE(coupled.iterations, hex_by_hex.iterations);
   CHECK(coupled.iterations <= 60);
   CHECK(hex_by_hex.iterations >= 2 * coupled.iterations);
@@ -128,7 +158,7 @@ TEST_CASE("the coupling's factor inverts the identity plus what terms do to each
   Resting resting(random_terms(Resting().model, 1e4, 1e6));
   BodyGrid& grid = resting.system.bodies.front();
   const auto count = Eigen::Index(grid.terms.vectors.size());
-  AlignedArray<float> pushes(grid.b.size()), moves(grid.b.size());
+  AlignedArray<float> pushes(grid.positions.size()), moves(grid.positions.size());
   MatrixXd P(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     std::fill(pushes.begin(), pushes.end(), 0.f);
@@ -154,8 +184,8 @@ TEST_CASE("a stiff term's force may stand in the right-hand side or be taken out
   VectorXd b = VectorXd::Ones(3 * model.num_nodes());
   for (const HexTerm& term : terms) b -= term.offset * dense_term(model, term);
   const SaddlePointOptions options{.tolerance = 1e-7};
-  const LinearSolution within = solve(model, b, false, options, resting.system);
-  const LinearSolution taken_out = solve(model, b, true, options, resting.system);
+  const LinearSolution within = solve_from_rest(model, b, false, options, resting.system);
+  const LinearSolution taken_out = solve_from_rest(model, b, true, options, resting.system);
   CHECK((within.x - taken_out.x).norm() <= 1e-4 * within.x.norm());
   CHECK((within.products - taken_out.products).norm() <= 1e-4 * within.products.norm());
 }
