@@ -10,15 +10,17 @@ namespace {
 
 constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
 constexpr int max_corrections = 12;
-constexpr double finest_response = 1e-2, coarsest_response = 0.05;  // [-] accuracies of the solves for contact forces
-constexpr double response_margin = 0.3;                             // share of the bearable error that one may leave
-constexpr int max_contact_rounds = 6;                               // detections per linearisation
+// [-] Fall of the residual in a solve that others follow: what it leaves over spoils what is learnt of the response to
+// forces, and forces that contacts change raise it again.
+constexpr double first_fall = 0.03, finest_fall = 0.01, coarsest_fall = 0.03;
+constexpr double response_margin = 0.3;  // share of the bearable error that one may leave
+constexpr int max_contact_rounds = 6;    // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;  // of what is bearable
 
 // How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more.
 struct Accuracy {
-  double first = 0;    // [-] of the first linear solve
+  double linear = 0;   // [-] of the linear system
   double settled = 0;  // [-] change of the forces at which contacts are solved
   bool final = false;  // contacts must be as shallow as the solution's
 };
@@ -27,7 +29,7 @@ struct Accuracy {
 Accuracy accuracy_at(double kkt_residual, double tolerance, bool coupled) {
   const double near = 3 * tolerance;  // the step's solution may be next
   const double finer = coupled ? 1 : std::clamp(kkt_residual / 0.05, 0.2, 1.0);
-  return {.first = finer * std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
+  return {.linear = finer * std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
           .settled = std::clamp(0.3 * kkt_residual, std::min(0.2 * tolerance, 0.1), 0.1),
           .final = kkt_residual <= near};
 }
@@ -102,16 +104,19 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
     const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution));
-    if (settled && solution.newton.residual <= accuracy.first) break;
-    const double exactly =
-        settled ? 0 : std::clamp(response_margin * bearable / missing, finest_response, coarsest_response);
+    if (settled && solution.newton.residual <= accuracy.linear) return;
+    const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
     solution.newton = solve_on(problem, at, push_of(model, iterate.contacts, change),
-                               {.tolerance = accuracy.first, .reduction = exactly}, workspace, report);
+                               {.tolerance = accuracy.linear, .reduction = fall}, workspace, report);
+    if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
     const VectorXd moved = motions_of(model, iterate.contacts, solution.newton.step);
     learn(change, moved - motions, compliance);
     motions = moved;
   }
+  if (solution.newton.residual > accuracy.linear)
+    solution.newton =
+        solve_on(problem, at, VectorXd::Zero(3 * model.num_nodes()), {.tolerance = accuracy.linear}, workspace, report);
 }
 
 }  // namespace
@@ -125,8 +130,9 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
       accuracy_at(report.kkt_residual, problem.options->solver.tolerance, is_coupled(*workspace.multigrid));
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
-  solution.newton = solve_multigrid(problem, at, grad - push_of(model, iterate.contacts, solution.forces),
-                                    {.tolerance = accuracy.first}, workspace, report);
+  solution.newton = solve_multigrid(
+      problem, at, grad - push_of(model, iterate.contacts, solution.forces),
+      {.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : first_fall}, workspace, report);
   for (int round = 0; round < max_contact_rounds; ++round) {
     if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, workspace, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)

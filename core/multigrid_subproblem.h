@@ -2,8 +2,8 @@
 //
 //   dx = K^-1 (J^T f - grad),   w = J dx + ...:   gap + n.w >= 0  perp  f_n >= 0,   friction in Coulomb's cone
 // Proximal iterations: the contacts are solved against the multilevel compliance (core/multilevel_compliance.h) instead
-// of J K^-1 J^T. One linear solve then tells what the whole change of the forces does, which the compliance learns; it
-// is scaled so that no iteration overshoots.
+// of J K^-1 J^T. The linear system is then solved on with the change of the forces, from which the compliance learns;
+// what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them all.
 #pragma once
 
 #include "core/newton_system.h"
