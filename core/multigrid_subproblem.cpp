@@ -12,7 +12,7 @@ constexpr double clear_share = 0.3;  // [-] of the depth that a solution may hav
 constexpr int max_corrections = 12;
 // [-] Fall of the residual in a solve that others follow: what it leaves over spoils what is learnt of the response to
 // forces, and forces that contacts change raise it again.
-constexpr double first_fall = 0.03, finest_fall = 0.01, coarsest_fall = 0.03;
+constexpr double finest_fall = 0.01, coarsest_fall = 0.05;
 constexpr double response_margin = 0.3;  // share of the bearable error that one may leave
 constexpr int max_contact_rounds = 6;    // detections per linearisation
 constexpr int max_sweeps = 200;
@@ -132,7 +132,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   solution.forces = known_forces(problem, iterate.contacts);
   solution.newton = solve_multigrid(
       problem, at, grad - push_of(model, iterate.contacts, solution.forces),
-      {.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : first_fall}, workspace, report);
+      {.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : coarsest_fall}, workspace, report);
   for (int round = 0; round < max_contact_rounds; ++round) {
     if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, workspace, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
