@@ -97,6 +97,7 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
   VectorXd motions = motions_of(model, iterate.contacts, solution.newton.step);
+  bool solved = solution.newton.residual <= accuracy.linear;  // or as far as the linear solver gets
   for (int i = 0; i < max_corrections; ++i) {
     VectorXd forces = solution.forces;
     gauss_seidel(compliance, rows, fixed + motions - apply(compliance, forces),
@@ -104,17 +105,18 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
     const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution));
-    if (settled && solution.newton.residual <= accuracy.linear) return;
+    if (settled && solved) return;
     const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
     solution.newton = solve_on(problem, at, push_of(model, iterate.contacts, change),
                                {.tolerance = accuracy.linear, .reduction = fall}, workspace, report);
+    solved = settled || solution.newton.residual <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
     const VectorXd moved = motions_of(model, iterate.contacts, solution.newton.step);
     learn(change, moved - motions, compliance);
     motions = moved;
   }
-  if (solution.newton.residual > accuracy.linear)
+  if (!solved)
     solution.newton =
         solve_on(problem, at, VectorXd::Zero(3 * model.num_nodes()), {.tolerance = accuracy.linear}, workspace, report);
 }
