@@ -21,6 +21,9 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
+constexpr double same_direction = 0.95;       // cosine between steps of one motion
+constexpr double worth_correcting = 0.4;      // [-] share of the step before
+constexpr double largest_correction = 8;      // times the step
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
@@ -111,6 +114,16 @@ void update_multipliers(const StepProblem& problem, const Linearisation& at, con
   }
 }
 
+// Aitken's factor on a step along the one before, each the same share of the last: the multigrids' matrix, which lacks
+// what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and fro) and too stiff
+// under compression (they creep). 1 elsewhere.
+double correction(const VectorXd& step, const VectorXd& before) {
+  if (before.size() == 0) return 1;
+  const double along = step.dot(before), share = along / before.squaredNorm();
+  if (std::abs(along) < same_direction * step.norm() * before.norm() || std::abs(share) < worth_correcting) return 1;
+  return 1 / (1 - std::min(share, 1 - 1 / largest_correction));
+}
+
 // Nodes that contacts of this step are likely to push: eliminated last, they make every contact's compliance cheap.
 // None in small cages, where analysing the pattern for each new set costs more, nor where there are too many.
 std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate& iterate) {
@@ -136,6 +149,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
   const bool multigrid = uses_multigrid(model, solver);
   // what comes after failure is dearer without a factor
   const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
+  VectorXd last_step;  // 3 #N [m], of multigrids, where it was taken as a whole
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     if (report.sqp_iterations < normal_updates)
@@ -161,7 +175,11 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     iterate.last_move = largest_move(model, newton.step);
     const double share = bearable_share(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
-    iterate.positions += share * unflatten(newton.step);
+    const double factor = multigrid && share == 1 ? correction(newton.step, last_step) : 1;
+    const double moved = factor > 1 ? factor * bearable_share(model, factor * newton.step) : factor * share;
+    iterate.positions += moved * unflatten(newton.step);
+    iterate.last_move *= std::max(1.0, factor);
+    last_step = multigrid && moved == 1 ? std::move(newton.step) : VectorXd();
   }
 }
 
