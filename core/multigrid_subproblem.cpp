@@ -80,8 +80,7 @@ std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& 
 
 // is no contact deeper after the step than a small share of what is bearable?
 bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
-              const VectorXd& fixed, const ContactSolution& solution) {
-  const VectorXd w = fixed + motions_of(*problem.model, iterate.contacts, solution.newton.step);
+              const VectorXd& w) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
     const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
@@ -99,12 +98,13 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
   VectorXd motions = motions_of(model, iterate.contacts, solution.newton.step);
   bool solved = solution.newton.residual <= accuracy.linear;  // or as far as the linear solver gets
   for (int i = 0; i < max_corrections; ++i) {
+    const VectorXd w = fixed + motions;
     VectorXd forces = solution.forces;
-    gauss_seidel(compliance, rows, fixed + motions - apply(compliance, forces),
+    gauss_seidel(compliance, rows, w - apply(compliance, forces),
                  {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
-    const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, fixed, solution));
+    const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, w));
     if (settled && solved) return;
     const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
