@@ -31,6 +31,21 @@ BrickLattice make_brick_lattice(const Cells& cells, const Vector3d& cell_size);
 /// The lattice whose cells are made of `factor` (1 or 2 along each axis) cells of a finer one.
 BrickLattice coarsen(const BrickLattice& fine, const Vector3i& factor);
 
+/// Corner n of a cell, from its first.
+inline Vector3i corner(int n) {
+  return {n >> 2 & 1, n >> 1 & 1, n & 1};
+}
+
+/// What corner m of a coarse cell weighs at a point of the finer lattice, 0 ... factor from the cell's first corner.
+inline double coarse_weight(const Vector3i& point, const Vector3i& factor, int m) {
+  double weight = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = double(point[axis]) / factor[axis];
+    weight *= corner(m)[axis] ? along : 1 - along;
+  }
+  return weight;
+}
+
 /// Index of the brick at a place, or 0.
 int find_brick(const BrickLattice& lattice, const Vector3i& place);
 

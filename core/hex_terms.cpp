@@ -1,6 +1,5 @@
 #include "core/hex_terms.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "core/parallel.h"
@@ -10,14 +9,6 @@ namespace {
 
 constexpr Eigen::Index grain = 64;  // hexes per task
 
-// How much more a single hex gives way than its nodes one by one would, g^T A^-1 g over g^T D^-1 g: of forces that
-// strain it. Measured on the beam: half or twice as much takes a quarter more iterations.
-constexpr double compliance = 1;
-
-int colour_of(const Cells& cells, int hex) {
-  return 4 * (cells(hex, 0) & 1) + 2 * (cells(hex, 1) & 1) + (cells(hex, 2) & 1);
-}
-
 HexTerms::Vector24f gather(const HexTerms::Hex& hex, const AlignedArray<float>& x) {
   HexTerms::Vector24f local;
   for (int n = 0; n < 8; ++n)
@@ -26,32 +17,12 @@ HexTerms::Vector24f gather(const HexTerms::Hex& hex, const AlignedArray<float>& 
   return local;
 }
 
-// D^-1 g
-HexTerms::Vector24f point_solution(const HexTerms::Hex& hex, const HexTerms::Vector24f& g,
-                                   const AlignedArray<float>& inverse) {
-  HexTerms::Vector24f solution;
-  for (int n = 0; n < 8; ++n)
-    solution.segment<3>(3 * n) = inverse_block(inverse, hex.nodes[n]).cast<float>() * g.segment<3>(3 * n);
-  return solution;
-}
-
-MatrixXd block_inverse(const HexTerms& terms, const HexTerms::Hex& hex, const AlignedArray<float>& inverse) {
-  const int count = hex.end - hex.first;
-  MatrixXd block = MatrixXd::Identity(count, count);
-  for (int i = 0; i < count; ++i) {
-    const HexTerms::Vector24f solution = point_solution(hex, terms.vectors[hex.first + i], inverse);
-    for (int j = 0; j < count; ++j) block(i, j) += compliance * double(solution.dot(terms.vectors[hex.first + j]));
-  }
-  return block.llt().solve(MatrixXd::Identity(count, count));
-}
-
 }  // namespace
 
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
-                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal,
-                        const AlignedArray<float>& inverse) {
+                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal) {
   std::array<std::vector<int>, 8> by_colour;
-  for (std::size_t t = 0; t < terms.size(); ++t) by_colour[colour_of(cells, terms[t].hex)].push_back(int(t));
+  for (std::size_t t = 0; t < terms.size(); ++t) by_colour[colour_of(cells.row(terms[t].hex))].push_back(int(t));
   HexTerms sorted;
   sorted.vectors.reserve(terms.size());
   sorted.sources.reserve(terms.size());
@@ -81,34 +52,23 @@ HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, c
     }
   }
   sorted.colour_starts[8] = int(sorted.hexes.size());
-  sorted.inverses.resize(sorted.hexes.size());
-  parallel_blocks(Eigen::Index(sorted.hexes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index h = begin; h < end; ++h) sorted.inverses[h] = block_inverse(sorted, sorted.hexes[h], inverse);
-  });
   return sorted;
 }
 
-VectorXd precondition(const HexTerms& terms, const VectorXd& values) {
-  VectorXd out(values.size());
-  for (std::size_t h = 0; h < terms.hexes.size(); ++h) {
-    const HexTerms::Hex& hex = terms.hexes[h];
-    out.segment(hex.first, hex.end - hex.first).noalias() =
-        terms.inverses[h] * values.segment(hex.first, hex.end - hex.first);
-  }
-  return out;
-}
-
-void multiply(const HexTerms& terms, const AlignedArray<float>& x, VectorXd& products) {
+template <class Vector>
+void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& products) {
   parallel_blocks(Eigen::Index(terms.hexes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index h = begin; h < end; ++h) {
       const HexTerms::Hex& hex = terms.hexes[h];
-      const Eigen::Matrix<double, 24, 1> local = gather(hex, x).cast<double>();
-      for (int t = hex.first; t < hex.end; ++t) products[t] = terms.vectors[t].cast<double>().dot(local);
+      const Vector24d local = gather(hex, x).cast<double>();
+      using Scalar = typename Vector::Scalar;
+      for (int t = hex.first; t < hex.end; ++t) products[t] = Scalar(terms.vectors[t].cast<double>().dot(local));
     }
   });
 }
 
-void add(const HexTerms& terms, const VectorXd& factors, AlignedArray<float>& x) {
+template <class Vector>
+void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x) {
   for (int colour = 0; colour < 8; ++colour) {
     const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
     parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
@@ -123,5 +83,10 @@ void add(const HexTerms& terms, const VectorXd& factors, AlignedArray<float>& x)
     });
   }
 }
+
+template void multiply(const HexTerms&, const AlignedArray<float>&, VectorXd&);
+template void multiply(const HexTerms&, const AlignedArray<float>&, VectorXf&);
+template void add(const HexTerms&, const VectorXd&, AlignedArray<float>&);
+template void add(const HexTerms&, const VectorXf&, AlignedArray<float>&);
 
 }  // namespace umax

@@ -1,7 +1,7 @@
 // Terms g g^T that each live on the nodes of one hex: what active limits and touching contacts add to the matrix.
 //
-// They may be 1e4 times stiffer than what is around them, more than any multigrid bears; so they stay outside of A, as
-// rows of a saddle-point system (core/saddle_point.h).
+// They may be 1e4 times stiffer than what is around them, more than any multigrid for A bears; so they stay outside of
+// A, as rows of a saddle-point system (core/saddle_point.h, core/term_multigrid.h).
 #pragma once
 
 #include <array>
@@ -23,11 +23,12 @@ struct HexTerms {
   std::vector<Vector24f> vectors;      // g [sqrt(N/m)], zero at nodes that are not free
   std::vector<int> sources;            // which of the terms handed in each vector is
   VectorXd offsets;
-  std::vector<MatrixXd> inverses;  // of each hex, nearly (I + G^T A^-1 G)^-1, for preconditioning
 };
 
-/// The inverses times values.
-VectorXd precondition(const HexTerms& terms, const VectorXd& values);
+/// Cells of a colour share no corners.
+inline int colour_of(const Vector3i& cell) {
+  return 4 * (cell[0] & 1) + 2 * (cell[1] & 1) + (cell[2] & 1);
+}
 
 /// One term as it is handed in.
 struct HexTerm {
@@ -38,13 +39,14 @@ struct HexTerm {
 
 /// Sorts the terms, zeroes them at nodes that are not free. cells, node_slots: as in BrickLattice's functions.
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
-                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal,
-                        const AlignedArray<float>& inverse);
+                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal);
 
 /// products = G^T x.
-void multiply(const HexTerms& terms, const AlignedArray<float>& x, VectorXd& products);
+template <class Vector>
+void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& products);
 
 /// x += G factors, in a fixed order.
-void add(const HexTerms& terms, const VectorXd& factors, AlignedArray<float>& x);
+template <class Vector>
+void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x);
 
 }  // namespace umax

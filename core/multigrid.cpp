@@ -1,5 +1,7 @@
 #include "core/multigrid.h"
 
+#include "core/multigrid_cycle.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -171,6 +173,24 @@ MatrixXd assemble(const MultigridLevel& level, const std::vector<int>& slots) {
   return A;
 }
 
+// returns which of the level's two arrays has x ~ A^-1 b; product: b . x
+AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, double& product) {
+  MultigridLevel& level = multigrid.levels[depth];
+  if (depth + 1 == multigrid.levels.size()) {
+    if (multigrid.has_dense) return solve_dense(multigrid, b);
+    int current = smooth_from_zero(level, b, product);
+    for (int sweep = 1; sweep < coarsest_sweeps; ++sweep) current = smooth(level, b, current, product);
+    return level.x[current];
+  }
+  int current = smooth_from_zero(level, b, product);
+  restrict_residual(multigrid, depth, b, current);
+  prolong(multigrid, depth, cycle(multigrid, depth + 1, multigrid.levels[depth + 1].b, product), current);
+  current = smooth(level, b, current, product);
+  return level.x[current];
+}
+
+}  // namespace
+
 AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
   MultigridLevel& level = multigrid.levels.back();
   const std::vector<int>& slots = multigrid.dense_slots;
@@ -183,7 +203,6 @@ AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>
   return level.x[0];
 }
 
-// the iterates alternate between the two arrays; returns which one is current
 int smooth(MultigridLevel& level, const AlignedArray<float>& b, int current, double& product) {
   for (const ChebyshevStep& step : level.steps) {
     product = chebyshev(level.op, level.matrix, level.inverse, step, b, level.x[current], level.x[1 - current]);
@@ -193,9 +212,7 @@ int smooth(MultigridLevel& level, const AlignedArray<float>& b, int current, dou
 }
 
 int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double& product) {
-  run(level.lattice, [&](int first, int last) {
-    kernels_of(level).block_jacobi(level.inverse.data(), b.data(), level.steps[0].gain, level.x[0].data(), first, last);
-  });
+  jacobi_from_zero(level, b, level.steps[0].gain);
   int current = 0;
   for (std::size_t n = 1; n < level.steps.size(); ++n) {
     ChebyshevStep step = level.steps[n];
@@ -206,30 +223,26 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
   return current;
 }
 
-// returns which of the level's two arrays has x ~ A^-1 b; product: b . x
-AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, double& product) {
-  MultigridLevel& level = multigrid.levels[depth];
-  if (depth + 1 == multigrid.levels.size()) {
-    if (multigrid.has_dense) return solve_dense(multigrid, b);
-    int current = smooth_from_zero(level, b, product);
-    for (int sweep = 1; sweep < coarsest_sweeps; ++sweep) current = smooth(level, b, current, product);
-    return level.x[current];
-  }
-  int current = smooth_from_zero(level, b, product);
-  MultigridLevel& coarse = multigrid.levels[depth + 1];
+void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain) {
+  run(level.lattice, [&](int first, int last) {
+    kernels_of(level).block_jacobi(level.inverse.data(), b.data(), gain, level.x[0].data(), first, last);
+  });
+}
+
+void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, int current) {
+  MultigridLevel &level = multigrid.levels[depth], &coarse = multigrid.levels[depth + 1];
   residual(level.op, level.matrix, b, level.x[current], level.x[1 - current]);
   restrict_to(level, level.x[1 - current], coarse, coarse.b, kernels_of(level).restrict_vectors);
-  const AlignedArray<float>& correction = cycle(multigrid, depth + 1, coarse.b, product);
-  const Transfer transfer = transfer_between(level, coarse);
+}
+
+void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& correction, int current) {
+  MultigridLevel& level = multigrid.levels[depth];
+  const Transfer transfer = transfer_between(level, multigrid.levels[depth + 1]);
   run(level.lattice, [&](int first, int last) {
     kernels_of(level).prolong(transfer, correction.data(), level.matrix.diagonal.data(), level.x[current].data(), first,
                               last);
   });
-  current = smooth(level, b, current, product);
-  return level.x[current];
 }
-
-}  // namespace
 
 Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOptions& options) {
   Multigrid multigrid;

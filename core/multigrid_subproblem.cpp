@@ -25,11 +25,9 @@ struct Accuracy {
   bool final = false;  // contacts must be as shallow as the solution's
 };
 
-// coupled: limits are; the residual's norm then is one of the error, else it hides what changes from hex to hex
-Accuracy accuracy_at(double kkt_residual, double tolerance, bool coupled) {
+Accuracy accuracy_at(double kkt_residual, double tolerance) {
   const double near = 3 * tolerance;  // the step's solution may be next
-  const double finer = coupled ? 1 : std::clamp(kkt_residual / 0.05, 0.2, 1.0);
-  return {.linear = finer * std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
+  return {.linear = std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
           .settled = std::clamp(0.3 * kkt_residual, std::min(0.2 * tolerance, 0.1), 0.1),
           .final = kkt_residual <= near};
 }
@@ -96,7 +94,7 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
   VectorXd motions = motions_of(model, iterate.contacts, solution.newton.step);
-  bool solved = solution.newton.residual <= accuracy.linear;  // or as far as the linear solver gets
+  bool solved = solution.newton.error <= accuracy.linear;  // or as far as the linear solver gets
   for (int i = 0; i < max_corrections; ++i) {
     const VectorXd w = fixed + motions;
     VectorXd forces = solution.forces;
@@ -110,7 +108,7 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     solution.forces = forces;
     solution.newton = solve_on(problem, at, push_of(model, iterate.contacts, change),
                                {.tolerance = accuracy.linear, .reduction = fall}, workspace, report);
-    solved = settled || solution.newton.residual <= accuracy.linear;
+    solved = settled || solution.newton.error <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
     const VectorXd moved = motions_of(model, iterate.contacts, solution.newton.step);
     learn(change, moved - motions, compliance);
@@ -128,8 +126,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy =
-      accuracy_at(report.kkt_residual, problem.options->solver.tolerance, is_coupled(*workspace.multigrid));
+  const Accuracy accuracy = accuracy_at(report.kkt_residual, problem.options->solver.tolerance);
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
   solution.newton = solve_multigrid(

@@ -1,6 +1,7 @@
 #include "core/multigrid_system.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -31,6 +32,10 @@ void from_bricks(const Model::BodyRange& body, const std::vector<int>& slots, co
         values[3 * (body.first_node + node) + c] =
             factor * double(bricks[slot_offset(slots[node], vector_components) + std::size_t(c) * brick_lanes]);
   });
+}
+
+const HexTerms& finest_terms(const BodyGrid& grid) {
+  return grid.terms.levels.front().terms;
 }
 
 double largest_value(const Model::BodyRange& body, const VectorXd& values) {
@@ -92,10 +97,10 @@ void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridS
     const Model::BodyRange& body = model.bodies[b];
     BodyGrid& grid = system.bodies[b];
     const MultigridLevel& level = grid.multigrid.levels.front();
-    grid.terms = make_hex_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
-                                body.first_node, grid.node_slots, level.matrix.diagonal, level.inverse);
-    grid.coupling = make_term_coupling(grid.terms, level.inverse);
-    for (int& source : grid.terms.sources) source = sources[b][source];
+    HexTerms sorted = make_hex_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
+                                     body.first_node, grid.node_slots, level.matrix.diagonal);
+    for (int& source : sorted.sources) source = sources[b][source];
+    set_up(grid.multigrid, std::move(sorted), grid.terms);
   }
 }
 
@@ -142,21 +147,17 @@ void set_up(const StepProblem& problem, const Points& positions, const VectorXd&
   set_terms(*problem.model, terms, system);
 }
 
-bool is_coupled(const MultigridSystem& system) {
-  return std::all_of(system.bodies.begin(), system.bodies.end(),
-                     [](const BodyGrid& grid) { return grid.coupling.exists || grid.terms.vectors.empty(); });
-}
-
 void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system) {
   VectorXd rest = b;
   if (with_offsets) rest += system.offset_force;
   for (std::size_t i = 0; i < system.bodies.size(); ++i) {
     BodyGrid& grid = system.bodies[i];
-    VectorXd c = VectorXd::Zero(grid.terms.offsets.size());
+    const VectorXd& offsets = finest_terms(grid).offsets;
+    VectorXd c = VectorXd::Zero(offsets.size());
     grid.unit = largest_value(model.bodies[i], rest);
-    if (with_offsets && !grid.terms.offsets.isZero(0)) {
+    if (with_offsets && !offsets.isZero(0)) {
       if (grid.unit == 0) grid.unit = 1;
-      c = -grid.terms.offsets / grid.unit;
+      c = -offsets / grid.unit;
     }
     begin(c, grid.point);
   }
@@ -178,16 +179,16 @@ void add_force(const Model& model, const VectorXd& force, MultigridSystem& syste
 LinearSolution solve(const Model& model, const SaddlePointOptions& options, MultigridSystem& system) {
   LinearSolution solution{.x = VectorXd::Zero(3 * model.num_nodes()), .products = {}};
   Eigen::Index num_terms = 0;
-  for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(grid.terms.vectors.size());
+  for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(finest_terms(grid).vectors.size());
   solution.products.setZero(num_terms);
   for (std::size_t i = 0; i < system.bodies.size(); ++i) {
     BodyGrid& grid = system.bodies[i];
     if (grid.unit == 0) continue;
-    const SaddlePointReport report = solve(grid.multigrid, grid.terms, grid.coupling, options, grid.point);
+    const SaddlePointReport report = solve(grid.multigrid, grid.terms, options, grid.point);
     solution.iterations += report.iterations;
-    solution.residual = std::max(solution.residual, report.residual);
+    solution.error = std::max(solution.error, report.error);
     const VectorXd products = grid.unit * (grid.point.y + grid.point.c);
-    for (Eigen::Index t = 0; t < products.size(); ++t) solution.products[grid.terms.sources[t]] = products[t];
+    for (Eigen::Index t = 0; t < products.size(); ++t) solution.products[finest_terms(grid).sources[t]] = products[t];
     from_bricks(model.bodies[i], grid.node_slots, grid.point.x, grid.unit, solution.x);
   }
   return solution;

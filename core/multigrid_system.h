@@ -17,8 +17,7 @@ struct BodyGrid {
   std::vector<int> cell_slots, node_slots;
   AlignedArray<float> stiffness;   // per cell [Pa]
   AlignedArray<double> positions;  // per node [m]
-  HexTerms terms;
-  TermCoupling coupling;
+  TermMultigrid terms;
   SaddlePoint point;  // in units of
   double unit = 0;    // [N] so that nothing leaves the range of float; 0: no force has come yet
 };
@@ -41,9 +40,6 @@ MultigridSystem make_multigrid_system(const Model& model);
 void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
             const std::vector<HexTerm>& terms, MultigridSystem& system);
 
-/// Are the terms of every body coupled, that has any?
-bool is_coupled(const MultigridSystem& system);
-
 /// Begins to solve (A + sum g g^T) x = b from x = 0, for b of 3 #N, zero at fixed nodes. with_offsets: b holds the
 /// terms' forces -g offset, which may be too large to leave them to rounding.
 void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system);
@@ -52,10 +48,10 @@ void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSy
 void add_force(const Model& model, const VectorXd& force, MultigridSystem& system);
 
 struct LinearSolution {
-  VectorXd x;           // 3 #N
-  VectorXd products;    // g . x of each term, as handed in, in their order
-  int iterations = 0;   // of all bodies
-  double residual = 0;  // [-] the largest of a body, as SaddlePointOptions::tolerance
+  VectorXd x;          // 3 #N
+  VectorXd products;   // g . x of each term, as handed in, in their order
+  int iterations = 0;  // of all bodies
+  double error = 0;    // [-] the largest of a body, as SaddlePointOptions::tolerance
 };
 
 /// Improves x, for the forces so far.

@@ -55,22 +55,11 @@ struct Place {
   Vector8d weights;
 };
 
-Vector3i corner(int n) {
-  return {n >> 2 & 1, n >> 1 & 1, n & 1};
-}
-
 Place coarser(const Place& fine, const Vector3i& factor) {
   Place coarse{fine.cell.cwiseQuotient(factor), Vector8d::Zero()};
   for (int n = 0; n < 8; ++n) {
     const Vector3i at = fine.cell + corner(n) - coarse.cell.cwiseProduct(factor);  // 0 ... factor
-    for (int m = 0; m < 8; ++m) {
-      double weight = fine.weights[n];
-      for (int axis = 0; axis < 3; ++axis) {
-        const double along = double(at[axis]) / factor[axis];
-        weight *= corner(m)[axis] ? along : 1 - along;
-      }
-      coarse.weights[m] += weight;
-    }
+    for (int m = 0; m < 8; ++m) coarse.weights[m] += fine.weights[n] * coarse_weight(at, factor, m);
   }
   return coarse;
 }

@@ -120,7 +120,7 @@ NewtonStep solve_further(const StepProblem& problem, const Linearisation& at, co
                          Workspace::Data& workspace, StepReport& report) {
   LinearSolution solution = solve(*problem.model, options, *workspace.multigrid);
   report.linear_iterations += solution.iterations;
-  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size())), solution.residual};
+  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size())), solution.error};
   Eigen::Index term = 0;
   for (std::size_t l = 0; l < at.limits.size(); ++l)
     if (at.limits[l].rank_one > 0)

@@ -31,7 +31,7 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
 struct NewtonStep {
   VectorXd step;          // 3 #N [m]
   VectorXd limit_change;  // #L [J] G . step of limits with a rank-one term, 0 of others
-  double residual = 0;    // [-] of the linear system, where multigrids solved it: as SaddlePointOptions::tolerance
+  double error = 0;       // [-] of the linear system, where multigrids solved it: as SaddlePointOptions::tolerance
 };
 
 /// -A^-1 slope with the matrix that set_up_multigrid() saw.

@@ -10,6 +10,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 using Eigen::VectorXd;
+using Eigen::VectorXf;
 using Eigen::VectorXi;
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #P x 3

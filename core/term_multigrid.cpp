@@ -1,0 +1,250 @@
+#include "core/term_multigrid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/multigrid_cycle.h"
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr double damping = 1.9;         // w lambda, lambda the largest eigenvalue of D^-1 A: 2 and more diverge
+constexpr int smoothings = 2;           // before the coarser level, and after it: one does not converge
+constexpr int coarsest_smoothings = 8;  // where the last level is not factored
+constexpr Eigen::Index most_dense_terms = 1000;  // on the last level, for it to be factored
+constexpr Eigen::Index grain = 64;               // hexes per task
+
+using Vector24f = HexTerms::Vector24f;
+
+// P^T g, for a cell at `place` (0 or 1 along each axis) in its coarse cell
+Vector24f restricted(const Vector24f& g, const Vector3i& place, const Vector3i& factor) {
+  Vector24f coarse = Vector24f::Zero();
+  for (int n = 0; n < 8; ++n)
+    for (int m = 0; m < 8; ++m)
+      coarse.segment<3>(3 * m) += float(coarse_weight(place + corner(n), factor, m)) * g.segment<3>(3 * n);
+  return coarse;
+}
+
+// fills fine.parents
+TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid, TermLevel& fine) {
+  const std::vector<HexTerms::Hex>& hexes = fine.terms.hexes;
+  const auto parent = [&](int h) -> Vector3i { return hexes[h].cell.cwiseQuotient(fine_grid.factor); };
+  std::vector<int> order(hexes.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int h) {
+    const Vector3i cell = parent(h);
+    return std::array{colour_of(cell), cell[0], cell[1], cell[2]};
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+
+  TermLevel coarse;
+  HexTerms& terms = coarse.terms;
+  fine.parents.resize(fine.terms.vectors.size());
+  std::vector<float> own;
+  for (auto first = order.begin(); first != order.end();) {
+    const auto end = std::find_if(first, order.end(), [&](int h) { return key(h) != key(*first); });
+    HexTerms::Hex hex;
+    hex.cell = parent(*first);
+    for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice, hex.cell + corner(n));
+    int richest = 0;
+    for (auto h = first; h != end; ++h) richest = std::max(richest, hexes[*h].end - hexes[*h].first);
+    hex.first = int(terms.vectors.size());
+    hex.end = hex.first + richest;
+    terms.vectors.resize(hex.end, Vector24f::Zero());
+    own.resize(hex.end, 0);
+    for (auto h = first; h != end; ++h) {
+      const Vector3i place = hexes[*h].cell - hex.cell.cwiseProduct(fine_grid.factor);
+      for (int t = hexes[*h].first; t < hexes[*h].end; ++t) {
+        const int to = hex.first + t - hexes[*h].first;
+        fine.parents[t] = to;
+        terms.vectors[to] += restricted(fine.terms.vectors[t], place, fine_grid.factor);
+        own[to] += fine.own[t];
+      }
+    }
+    for (int n = 0; n < 8; ++n)
+      if (!(coarse_grid.matrix.diagonal[hex.nodes[n]] > 0))
+        for (int t = hex.first; t < hex.end; ++t) terms.vectors[t].segment<3>(3 * n).setZero();
+    terms.hexes.push_back(hex);
+    first = end;
+  }
+  int colour = 0;
+  for (std::size_t h = 0; h < terms.hexes.size(); ++h)
+    while (colour <= colour_of(terms.hexes[h].cell)) terms.colour_starts[colour++] = int(h);
+  while (colour <= 8) terms.colour_starts[colour++] = int(terms.hexes.size());
+  coarse.own = Eigen::Map<const VectorXf>(own.data(), Eigen::Index(own.size()));
+  return coarse;
+}
+
+void set_up_last(const Multigrid& multigrid, TermMultigrid& coupled) {
+  const TermLevel& level = coupled.levels.back();
+  const auto count = Eigen::Index(level.terms.vectors.size());
+  coupled.has_dense = multigrid.has_dense && count <= most_dense_terms;
+  if (!coupled.has_dense || count == 0) return;
+  const std::vector<int>& slots = multigrid.dense_slots;
+  MatrixXd G = MatrixXd::Zero(3 * Eigen::Index(slots.size()), count);
+  for (const HexTerms::Hex& hex : level.terms.hexes)
+    for (int n = 0; n < 8; ++n) {
+      const auto row = std::lower_bound(slots.begin(), slots.end(), hex.nodes[n]) - slots.begin();
+      for (int t = hex.first; t < hex.end; ++t)
+        G.block<3, 1>(3 * row, t) = level.terms.vectors[t].segment<3>(3 * n).cast<double>();
+    }
+  coupled.responses = multigrid.dense.solve(G);
+  MatrixXd S = G.transpose() * coupled.responses;
+  S.diagonal() += level.own.cast<double>();
+  coupled.dense.compute(S);
+}
+
+// the mean of 1 / S_ii over that of D^-1 at free nodes
+double weight_of(const MultigridLevel& grid, const TermLevel& level) {
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (const HexTerms::Hex& hex : level.terms.hexes)
+    for (const int node : hex.nodes) {
+      if (!(grid.matrix.diagonal[node] > 0)) continue;
+      sum += inverse_block(grid.inverse, node).trace() / 3;
+      ++count;
+    }
+  if (count == 0) return 1;
+  const VectorXd scale = level.complement.scale.cast<double>();
+  return scale.squaredNorm() / double(scale.size()) / (sum / double(count));
+}
+
+// (x, v) -= (w D^-1 G, G) dy
+void push_back(const TermLevel& level, const VectorXf& dy, AlignedArray<float>& x, AlignedArray<float>& v) {
+  const HexTerms& terms = level.terms;
+  for (int colour = 0; colour < 8; ++colour) {
+    const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
+    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index h = first + begin; h < first + end; ++h) {
+        const HexTerms::Hex& hex = terms.hexes[h];
+        Vector24f of_x = dy[hex.first] * level.complement.responses[hex.first],
+                  of_v = dy[hex.first] * terms.vectors[hex.first];
+        for (int t = hex.first + 1; t < hex.end; ++t) {
+          of_x += dy[t] * level.complement.responses[t];
+          of_v += dy[t] * terms.vectors[t];
+        }
+        for (int n = 0; n < 8; ++n)
+          for (int c = 0; c < 3; ++c) {
+            const std::size_t at = slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes;
+            x[at] -= of_x[3 * n + c];
+            v[at] -= of_v[3 * n + c];
+          }
+      }
+    });
+  }
+}
+
+VectorXf products(const TermLevel& level, const AlignedArray<float>& x) {
+  VectorXf of_x(level.own.size());
+  multiply(level.terms, x, of_x);
+  return of_x;
+}
+
+// the multipliers that bring x back to the terms; v: b - G y
+void project(const TermLevel& level, const VectorXf& q, AlignedArray<float>& x, AlignedArray<float>& v, VectorXf& y) {
+  const VectorXf dy = solve(level.complement, products(level, x) - q - level.own.cwiseProduct(y));
+  y += dy;
+  push_back(level, dy, x, v);
+}
+
+// returns which iterate is current
+int smooth_coupled(MultigridLevel& grid, const TermLevel& level, float w, const VectorXf& q, int current,
+                   AlignedArray<float>& v, VectorXf& y) {
+  chebyshev(grid.op, grid.matrix, grid.inverse, {1, 0, w}, v, grid.x[current], grid.x[1 - current]);
+  project(level, q, grid.x[1 - current], v, y);
+  return 1 - current;
+}
+
+float damping_of(const MultigridLevel& grid) {
+  return float(damping / largest_jacobi_eigenvalue(grid.shape));
+}
+
+AlignedArray<float>& solve_last(Multigrid& multigrid, const TermMultigrid& coupled, const AlignedArray<float>& b,
+                                const VectorXf& q, VectorXf& y) {
+  AlignedArray<float>& x = solve_dense(multigrid, b);
+  const TermLevel& level = coupled.levels.back();
+  if (q.size() == 0) return x;
+  const VectorXd solved = coupled.dense.solve((products(level, x) - q).cast<double>());
+  y = solved.cast<float>();
+  const VectorXd moved = coupled.responses * solved;
+  for (std::size_t i = 0; i < multigrid.dense_slots.size(); ++i)
+    for (int c = 0; c < 3; ++c)
+      x[slot_offset(multigrid.dense_slots[i], vector_components) + std::size_t(c) * brick_lanes] -=
+          float(moved[3 * Eigen::Index(i) + c]);
+  return x;
+}
+
+// v: the right-hand side, b; becomes b - G y. Returns x.
+AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::size_t depth, AlignedArray<float>& v,
+                           const VectorXf& q, VectorXf& y) {
+  MultigridLevel& grid = multigrid.levels[depth];
+  const TermLevel& level = coupled.levels[depth];
+  y = VectorXf::Zero(q.size());
+  const bool last = depth + 1 == multigrid.levels.size();
+  if (last && coupled.has_dense) return solve_last(multigrid, coupled, v, q, y);
+  const float w = damping_of(grid);
+  const int before = last ? coarsest_smoothings : smoothings;
+  jacobi_from_zero(grid, v, w);
+  project(level, q, grid.x[0], v, y);
+  int current = 0;
+  for (int i = 1; i < before; ++i) current = smooth_coupled(grid, level, w, q, current, v, y);
+  if (last) return grid.x[current];
+
+  const VectorXf rest = q - products(level, grid.x[current]) + level.own.cwiseProduct(y);
+  VectorXf coarse_q = VectorXf::Zero(coupled.levels[depth + 1].own.size()), coarse_y;
+  for (Eigen::Index t = 0; t < rest.size(); ++t) coarse_q[level.parents[t]] += rest[t];
+  restrict_residual(multigrid, depth, v, current);
+  const AlignedArray<float>& correction =
+      cycle(multigrid, coupled, depth + 1, multigrid.levels[depth + 1].b, coarse_q, coarse_y);
+  prolong(multigrid, depth, correction, current);
+  VectorXf dy(q.size());
+  for (Eigen::Index t = 0; t < dy.size(); ++t) dy[t] = -coarse_y[level.parents[t]];
+  y -= dy;
+  add(level.terms, dy, v);
+  for (int i = 0; i < smoothings; ++i) current = smooth_coupled(grid, level, w, q, current, v, y);
+  return grid.x[current];
+}
+
+}  // namespace
+
+void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) {
+  const MultigridLevel& finest = multigrid.levels.front();
+  for (HexTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice.first_cell;
+  coupled.levels.clear();
+  coupled.levels.emplace_back().terms = std::move(terms);
+  const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
+  coupled.levels.front().own = VectorXf::Ones(count);
+  if (count == 0) return;
+  for (std::size_t depth = 1; depth < multigrid.levels.size(); ++depth) {
+    TermLevel coarse = coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
+    coupled.levels.push_back(std::move(coarse));
+  }
+  for (std::size_t depth = 0; depth < multigrid.levels.size(); ++depth) {
+    TermLevel& level = coupled.levels[depth];
+    const MultigridLevel& grid = multigrid.levels[depth];
+    set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
+  }
+  set_up_last(multigrid, coupled);
+  coupled.weight = weight_of(finest, coupled.levels.front());
+  if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
+}
+
+const AlignedArray<float>& precondition(Multigrid& multigrid, TermMultigrid& coupled, const AlignedArray<float>& r,
+                                        const VectorXd& q, VectorXd& y) {
+  if (q.size() == 0) {
+    double product = 0;
+    y.resize(0);
+    return precondition(multigrid, r, product);
+  }
+  std::copy(r.begin(), r.end(), coupled.rest.begin());
+  VectorXf of_terms;
+  const AlignedArray<float>& x = cycle(multigrid, coupled, 0, coupled.rest, q.cast<float>(), of_terms);
+  y = of_terms.cast<double>();
+  return x;
+}
+
+}  // namespace umax
