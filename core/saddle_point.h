@@ -16,7 +16,7 @@ namespace umax {
 struct SaddlePointOptions {
   double tolerance = 1e-3;  // [-] fall of the error in the matrix's norm, from the largest since begin()
   double reduction = 0;     // [-] or its fall during this solve, whichever is reached first
-  int max_iterations = 300;
+  int max_iterations = 150;
 };
 
 struct SaddlePointReport {
