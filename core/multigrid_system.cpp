@@ -170,6 +170,7 @@ void add_force(const Model& model, const VectorXd& force, MultigridSystem& syste
     BodyGrid& grid = system.bodies[i];
     if (grid.unit == 0) grid.unit = largest_value(body, force);
     if (grid.unit == 0) continue;
+    grid.point.pushed = true;
     const double factor = 1 / grid.unit;
     to_bricks(body, grid.node_slots, force.data(), grid.point.residual,
               [factor](float& in, double given) { in += float(factor * given); });

@@ -75,8 +75,9 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
   const HexTerms& terms = coupled.levels.front().terms;
   const double weight = coupled.weight;
   const int most = int(point.directions.size());
-  for (int i = std::max(0, point.num_directions - most + 1); i < point.num_directions; ++i)
+  for (int i = std::max(0, point.num_directions - most + 1); point.pushed && i < point.num_directions; ++i)
     advance(lattice, weight, point.directions[i % most], point);
+  point.pushed = false;
   SaddlePointReport report;
   double norm = residual_norm(lattice, weight, point), started = 0;
   while (norm > 0) {

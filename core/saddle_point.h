@@ -33,7 +33,8 @@ struct SaddlePoint {
   AlignedArray<float> x, residual;  // of the nodes; r = b - A x - G y
   VectorXd y, c, term_residual;     // of the terms: y = G^T x - c is as exact as x is, though G x would cancel
   double largest_error = 0;
-  std::array<Direction, 4> directions;
+  bool pushed = false;  // has the residual been added to since the last solve?
+  std::array<Direction, 8> directions;
   int num_directions = 0;  // so far: of the last ones each has its place in turn
 };
 SaddlePoint make_saddle_point(const Multigrid& multigrid);
@@ -42,8 +43,8 @@ SaddlePoint make_saddle_point(const Multigrid& multigrid);
 void begin(const VectorXd& c, SaddlePoint& point);
 
 /// Improves x and y with the finest level's matrix and the terms that set_up() has seen. Whoever adds to b adds to the
-/// residual, zero at nodes that are not free, and solves on: what solves before have left over is made good by those
-/// that follow.
+/// residual, zero at nodes that are not free, says so (pushed), and solves on: what solves before have left over is
+/// made good by those that follow.
 SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& terms, const SaddlePointOptions& options,
                         SaddlePoint& point);
 
