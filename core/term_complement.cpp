@@ -90,8 +90,8 @@ void set_up(const MultigridLevel& grid, const HexTerms& terms, const VectorXf& o
     for (int n = 0; n < 8; ++n) hexes_at[terms.hexes[h].nodes[n]][n] = int(h);
   // number of the hex at an offset, or -1
   const auto neighbour = [&](const HexTerms::Hex& hex, int d) {
-    const auto [own, other] = shared[d].front();
-    return hexes_at[hex.nodes[own]][other];
+    const auto [at, its] = shared[d].front();
+    return hexes_at[hex.nodes[at]][its];
   };
 
   S.responses.resize(terms.vectors.size());

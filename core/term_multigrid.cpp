@@ -223,12 +223,14 @@ void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) 
     TermLevel coarse = coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
     coupled.levels.push_back(std::move(coarse));
   }
-  for (std::size_t depth = 0; depth < multigrid.levels.size(); ++depth) {
+  set_up_last(multigrid, coupled);
+  const std::size_t smoothed = multigrid.levels.size() - (coupled.has_dense ? 1 : 0);
+  for (std::size_t depth = 0; depth < std::max<std::size_t>(1, smoothed);
+       ++depth) {  // the first's also tells the weight
     TermLevel& level = coupled.levels[depth];
     const MultigridLevel& grid = multigrid.levels[depth];
     set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
   }
-  set_up_last(multigrid, coupled);
   coupled.weight = weight_of(finest, coupled.levels.front());
   if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
 }
