@@ -1,50 +1,108 @@
 #include "core/saddle_point.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <tuple>
 #include <utility>
+#include <vector>
+
+#include "core/parallel.h"
 
 namespace umax {
 namespace {
 
 using Direction = SaddlePoint::Direction;
 
-// x += factor d, of node vectors
-void add(const BrickLattice& lattice, double factor, const AlignedArray<float>& d, AlignedArray<float>& x) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
-  const float f = float(factor);
-  for_each_column(lattice, [&](int first, int last) {
-    for (std::size_t i = first * brick_values; i < last * brick_values; ++i) x[i] += f * d[i];
-    return 0.0;
+constexpr int most_directions = int(std::tuple_size_v<decltype(SaddlePoint::directions)>);
+constexpr Eigen::Index grain = 8;  // bricks per task
+constexpr int line_values = brick_lanes * vector_components;
+
+using Sums = std::array<double, most_directions>;
+
+// Calls body(place of the first value, sums to add to) for the lines that have nodes; the sums, in a fixed order.
+template <class Body>
+Sums sum_over_lines(const BrickLattice& lattice, const Body& body) {
+  const auto count = Eigen::Index(lattice.bricks.size());
+  std::vector<Sums> of_blocks(std::size_t((count + grain - 1) / grain), Sums{});
+  parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    Sums& sums = of_blocks[std::size_t(begin / grain)];
+    for (Eigen::Index b = begin; b < end; ++b)
+      for (std::uint64_t lines = lattice.bricks[b].node_lines; lines != 0; lines &= lines - 1)
+        body((std::size_t(b) * brick_lines + std::size_t(std::countr_zero(lines))) * line_values, sums);
   });
+  Sums total{};
+  for (const Sums& sums : of_blocks)
+    for (int k = 0; k < most_directions; ++k) total[k] += sums[k];
+  return total;
 }
 
-void scale(const BrickLattice& lattice, double factor, const AlignedArray<float>& x, AlignedArray<float>& out) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
-  const float f = float(factor);
-  for_each_column(lattice, [&](int first, int last) {
-    for (std::size_t i = first * brick_values; i < last * brick_values; ++i) out[i] = f * x[i];
-    return 0.0;
+double line_product(const float* a, const float* b) {
+  float lanes[brick_lanes] = {};
+  for (int i = 0; i < line_values; i += brick_lanes)
+    for (int lane = 0; lane < brick_lanes; ++lane) lanes[lane] += a[i + lane] * b[i + lane];
+  double sum = 0;
+  for (const float lane : lanes) sum += double(lane);
+  return sum;
+}
+
+void add_line(float factor, const float* a, float* to) {
+  for (int i = 0; i < line_values; ++i) to[i] += factor * a[i];
+}
+
+// what of an image each of the directions' images makes up; weight: of terms
+Sums shares_of(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& directions,
+               const AlignedArray<float>& image, const VectorXd& term_image) {
+  Sums shares = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
+    for (std::size_t k = 0; k < directions.size(); ++k) sums[k] += line_product(&image[at], &directions[k]->image[at]);
   });
+  for (std::size_t k = 0; k < directions.size(); ++k)
+    shares[k] = (shares[k] + weight * term_image.dot(directions[k]->term_image)) / directions[k]->square;
+  return shares;
 }
 
-// of what is left over of both kinds
-double product(const BrickLattice& lattice, double weight, const AlignedArray<float>& image, const VectorXd& term_image,
-               const Direction& direction) {
-  return dot(lattice, image, direction.image) + weight * term_image.dot(direction.term_image);
+// the directions that are kept, but for the place of the next one
+std::vector<const Direction*> kept(const SaddlePoint& point) {
+  std::vector<const Direction*> directions;
+  for (int i = std::max(0, point.num_directions - most_directions + 1); i < point.num_directions; ++i)
+    directions.push_back(&point.directions[i % most_directions]);
+  return directions;
 }
 
-double residual_norm(const BrickLattice& lattice, double weight, const SaddlePoint& point) {
-  return std::sqrt(dot(lattice, point.residual, point.residual) + weight * point.term_residual.squaredNorm());
+// makes the direction's image orthogonal to those of the others
+void orthogonalise(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& others,
+                   Direction& d) {
+  const Sums shares = shares_of(lattice, weight, others, d.image, d.term_image);
+  d.square = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      add_line(float(-shares[k]), &others[k]->x[at], &d.x[at]);
+      add_line(float(-shares[k]), &others[k]->image[at], &d.image[at]);
+    }
+    sums[0] += line_product(&d.image[at], &d.image[at]);
+  })[0];
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    d.y -= shares[k] * others[k]->y;
+    d.term_image -= shares[k] * others[k]->term_image;
+  }
+  d.square += weight * d.term_image.squaredNorm();
 }
 
-// the part of the residual that a direction removes
-void advance(const BrickLattice& lattice, double weight, const Direction& d, SaddlePoint& point) {
-  const double along = product(lattice, weight, point.residual, point.term_residual, d);
-  add(lattice, along, d.x, point.x);
-  add(lattice, -along, d.image, point.residual);
-  point.y += along * d.y;
-  point.term_residual -= along * d.term_image;
+// Goes along directions with orthogonal images as far as reduces the residual most. Returns the residual's norm.
+double advance(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& directions,
+               SaddlePoint& point) {
+  const Sums along = shares_of(lattice, weight, directions, point.residual, point.term_residual);
+  const double square = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      add_line(float(along[k]), &directions[k]->x[at], &point.x[at]);
+      add_line(float(-along[k]), &directions[k]->image[at], &point.residual[at]);
+    }
+    sums[0] += line_product(&point.residual[at], &point.residual[at]);
+  })[0];
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    point.y += along[k] * directions[k]->y;
+    point.term_residual -= along[k] * directions[k]->term_image;
+  }
+  return std::sqrt(square + weight * point.term_residual.squaredNorm());
 }
 
 }  // namespace
@@ -74,17 +132,15 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
   const BrickLattice& lattice = level.lattice;
   const HexTerms& terms = coupled.levels.front().terms;
   const double weight = coupled.weight;
-  const int most = int(point.directions.size());
-  for (int i = std::max(0, point.num_directions - most + 1); point.pushed && i < point.num_directions; ++i)
-    advance(lattice, weight, point.directions[i % most], point);
+  double norm = advance(lattice, weight, point.pushed ? kept(point) : std::vector<const Direction*>{}, point);
   point.pushed = false;
   SaddlePointReport report;
-  double norm = residual_norm(lattice, weight, point), started = 0;
+  double started = 0;
   while (norm > 0) {
     VectorXd y;
     const AlignedArray<float>& x = precondition(multigrid, coupled, point.residual, point.term_residual, y);
-    Direction& d = point.directions[point.num_directions % most];
-    scale(lattice, 1, x, d.x);
+    Direction& d = point.directions[point.num_directions % most_directions];
+    std::copy(x.begin(), x.end(), d.x.begin());
     double error = std::sqrt(std::max(0.0, apply(level.op, level.matrix, d.x, d.image)));
     if (started == 0) started = error;
     point.largest_error = std::max(point.largest_error, error);
@@ -100,23 +156,11 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
       d.term_image -= d.y;
       add(terms, d.y, d.image);
     }
-    for (int i = std::max(0, point.num_directions - most + 1); i < point.num_directions; ++i) {
-      const Direction& before = point.directions[i % most];
-      const double share = product(lattice, weight, d.image, d.term_image, before);
-      add(lattice, -share, before.x, d.x);
-      add(lattice, -share, before.image, d.image);
-      d.y -= share * before.y;
-      d.term_image -= share * before.term_image;
-    }
-    const double size = std::sqrt(product(lattice, weight, d.image, d.term_image, d));
-    if (!(size > 0) || !std::isfinite(size)) break;
-    for (AlignedArray<float>* v : {&d.x, &d.image}) scale(lattice, 1 / size, *v, *v);
-    d.y /= size;
-    d.term_image /= size;
+    orthogonalise(lattice, weight, kept(point), d);
+    if (!(d.square > 0) || !std::isfinite(d.square)) break;
     ++point.num_directions;
     ++report.iterations;
-    advance(lattice, weight, d, point);
-    const double before = std::exchange(norm, residual_norm(lattice, weight, point));
+    const double before = std::exchange(norm, advance(lattice, weight, {&d}, point));
     error *= norm / before;  // as far as can be told without another cycle
     if (is_small()) break;
   }

@@ -28,7 +28,8 @@ struct SaddlePointReport {
 struct SaddlePoint {
   struct Direction {
     AlignedArray<float> x, image;  // d, A d + G e of a direction (d, e)
-    VectorXd y, term_image;        // e, G^T d - e; images of all directions are orthonormal
+    VectorXd y, term_image;        // e, G^T d - e; images of all directions are orthogonal
+    double square = 0;             // of the image's norm
   };
   AlignedArray<float> x, residual;  // of the nodes; r = b - A x - G y
   VectorXd y, c, term_residual;     // of the terms: y = G^T x - c is as exact as x is, though G x would cancel
