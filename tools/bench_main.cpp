@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tools/bench.h"
+#include "tools/machine_memory.h"
 #include "tools/threads.h"
 
 namespace umax {
@@ -80,6 +81,7 @@ int main(int argc, char** argv) {
                                              picture_benchmarks(), program_benchmarks()})
     all.insert(all.end(), more.begin(), more.end());
 
+  keep_freed_memory();
   fmt::print("{} processors; figures are medians or means of one run on this machine\n", sysconf(_SC_NPROCESSORS_ONLN));
   int missed = 0, found = 0;
   for (const Benchmark& benchmark : all) {

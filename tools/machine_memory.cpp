@@ -1,6 +1,9 @@
 #include "tools/machine_memory.h"
 
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cctype>
@@ -85,6 +88,14 @@ std::optional<long long> parse_memory(const std::string& text) {
 long long usable_memory(const std::optional<std::string>& given) {
   const auto size = given ? parse_memory(*given) : std::nullopt;
   return size ? *size : available_memory();
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int largest = 32 << 20;  // [bytes] of a block that glibc lets come from the heap
+  mallopt(M_MMAP_THRESHOLD, largest);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
 }
 
 std::string format_memory(double bytes) {

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "core/error.h"
+#include "tools/machine_memory.h"
 #include "tools/verbs.h"
 
 namespace {
@@ -63,6 +64,7 @@ int guarded_run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // a file-size limit is a write that fails, and is reported as one
   std::signal(SIGXFSZ, SIG_IGN);
+  umax::keep_freed_memory();
   const int code = guarded_run(argc, argv);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   return code == 0 ? report(umax::ExitCode::io_error, "standard output cannot be written") : code;
