@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/newton_system.h"
+#include "core/step_length.h"
 
 namespace umax {
 namespace {

@@ -9,6 +9,7 @@
 #include "core/hex_limits.h"
 #include "core/multigrid_subproblem.h"
 #include "core/newton_system.h"
+#include "core/step_length.h"
 
 namespace umax {
 namespace {
@@ -21,9 +22,6 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
-constexpr double same_direction = 0.95;       // cosine between steps of one motion
-constexpr double worth_correcting = 0.4;      // [-] share of the step before
-constexpr double largest_correction = 8;      // times the step
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
@@ -114,16 +112,6 @@ void update_multipliers(const StepProblem& problem, const Linearisation& at, con
   }
 }
 
-// Aitken's factor on a step along the one before, each the same share of the last: the multigrids' matrix, which lacks
-// what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and fro) and too stiff
-// under compression (they creep). 1 elsewhere.
-double correction(const VectorXd& step, const VectorXd& before) {
-  if (before.size() == 0) return 1;
-  const double along = step.dot(before), share = along / before.squaredNorm();
-  if (std::abs(along) < same_direction * step.norm() * before.norm() || std::abs(share) < worth_correcting) return 1;
-  return 1 / (1 - std::min(share, 1 - 1 / largest_correction));
-}
-
 // Nodes that contacts of this step are likely to push: eliminated last, they make every contact's compliance cheap.
 // None in small cages, where analysing the pattern for each new set costs more, nor where there are too many.
 std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate& iterate) {
@@ -158,6 +146,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
       follow_contacts(problem.contact, iterate.positions, iterate.contacts);
     const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
+    iterate.kkt_fall = report.sqp_iterations > 0 ? quality.kkt / report.kkt_residual : 1;
     report.kkt_residual = quality.kkt;
     tell(problem, report.sqp_iterations, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
@@ -167,6 +156,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     NewtonStep newton;
     if (multigrid) {
       newton = minimise_subproblem(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
+      ease(model, newton.step);  // of so many hexes a few are distorted in most steps
     } else {
       report.factorisations += factorize(problem, at, iterate, workspace);
       newton.step = solve_step(problem, workspace.cholesky, gradient(problem, iterate, at), iterate, report);

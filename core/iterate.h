@@ -14,6 +14,7 @@ struct Iterate {
   std::vector<Contact> contacts;  // working set, impulses in N s
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
+  double kkt_fall = 1;            // [-] of the residual in the last iteration
   bool indefinite = false;        // the exact Hessian was not positive definite at one of the last iterations
 };
 

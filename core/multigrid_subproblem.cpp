@@ -18,17 +18,19 @@ constexpr int max_contact_rounds = 6;    // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;  // of what is bearable
 
-// How exactly a subproblem is solved: the nearer the iterate is to the step's solution, the more.
+// How exactly a subproblem is solved.
 struct Accuracy {
   double linear = 0;   // [-] of the linear system
   double settled = 0;  // [-] change of the forces at which contacts are solved
   bool final = false;  // contacts must be as shallow as the solution's
 };
 
-Accuracy accuracy_at(double kkt_residual, double tolerance) {
+// The linear system (Eisenstat and Walker 1996, their second choice): where what is linear has foretold little, more
+// exact steps get no farther. Contacts: the more exactly the nearer the iterate is to the step's solution.
+Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
   const double near = 3 * tolerance;  // the step's solution may be next
-  return {.linear = std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05),
-          .settled = std::clamp(0.3 * kkt_residual, std::min(0.2 * tolerance, 0.1), 0.1),
+  return {.linear = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05),
+          .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
           .final = kkt_residual <= near};
 }
 
@@ -126,7 +128,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy = accuracy_at(report.kkt_residual, problem.options->solver.tolerance);
+  const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
   ContactSolution solution;
   solution.forces = known_forces(problem, iterate.contacts);
   solution.newton = solve_multigrid(

@@ -7,6 +7,7 @@
 #include "core/gauss_seidel.h"
 #include "core/hex_limits.h"
 #include "core/parallel.h"
+#include "core/step_length.h"
 
 namespace umax {
 namespace {

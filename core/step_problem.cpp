@@ -9,7 +9,6 @@ namespace umax {
 namespace {
 
 constexpr Eigen::Index hexes_per_block = 64;
-constexpr double bearable_distortion = 0.2;       // [cells]
 constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
 
 }  // namespace
@@ -95,29 +94,6 @@ double contact_penalty(const StepProblem& problem, const Contact& contact) {
   const Model& model = *problem.model;
   const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
-}
-
-double largest_move(const Model& model, const VectorXd& step) {
-  double largest = 0;
-  for (const Model::BodyRange& body : model.bodies)
-    for (int node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      largest = std::max(largest, step.segment<3>(3 * node).norm() / body.cell_size);
-  return largest;
-}
-
-double bearable_share(const Model& model, const VectorXd& step) {
-  VectorXd largest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);  // squared [cells]
-  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) {
-      Matrix8x3d moves;
-      for (int n = 0; n < 8; ++n) moves.row(n) = step.segment<3>(3 * model.hexes(e, n)).transpose();
-      moves.rowwise() -= moves.colwise().mean().eval();
-      const double size = model.bodies[model.hex_body[e]].cell_size;
-      double& most = largest[begin / hexes_per_block];
-      most = std::max(most, moves.rowwise().squaredNorm().maxCoeff() / (size * size));
-    }
-  });
-  return std::min(1.0, bearable_distortion / std::sqrt(largest.maxCoeff()));
 }
 
 double deepest(const std::vector<Contact>& contacts) {

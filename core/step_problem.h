@@ -48,13 +48,6 @@ VectorXd limit_ratios(const StepProblem& problem, const Points& positions);
 /// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
 
-/// Largest node displacement [cells of its body] of a step of 3 #N [m].
-double largest_move(const Model& model, const VectorXd& step);
-
-/// Share of a step of 3 #N [m] that moves no node of a hex by more than a fifth of a cell relative to the hex: beyond,
-/// what is linear in the step says little. However far bodies move as a whole.
-double bearable_share(const Model& model, const VectorXd& step);
-
 /// Mass [kg] of the nodes around a contact point, by its weights.
 double contact_mass(const Model& model, const Contact& contact);
 

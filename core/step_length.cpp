@@ -1,0 +1,101 @@
+#include "core/step_length.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr double bearable_distortion = 0.2;  // [cells]
+constexpr double watched_share = 0.5;        // of that, from which easing other hexes may bring one beyond it
+constexpr double few = 0.02;                 // of the hexes: where more are distorted that much, the step is to blame
+constexpr int easing_sweeps = 40;
+constexpr double same_direction = 0.95;   // cosine between steps of one motion
+constexpr double worth_correcting = 0.4;  // [-] share of the step before
+constexpr double largest_correction = 8;  // times the step
+constexpr Eigen::Index hexes_per_block = 64;
+
+// [cells^2] of the node that moves farthest from the hex's mean motion
+double squared_distortion(const Model& model, const VectorXd& step, Eigen::Index hex) {
+  Matrix8x3d moves;
+  for (int n = 0; n < 8; ++n) moves.row(n) = step.segment<3>(3 * model.hexes(hex, n)).transpose();
+  moves.rowwise() -= moves.colwise().mean().eval();
+  const double size = model.bodies[model.hex_body[hex]].cell_size;
+  return moves.rowwise().squaredNorm().maxCoeff() / (size * size);
+}
+
+std::vector<int> hexes_beyond(const Model& model, const VectorXd& step, double distortion) {
+  std::vector<std::vector<int>> of_blocks((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e)
+      if (squared_distortion(model, step, e) > distortion * distortion)
+        of_blocks[begin / hexes_per_block].push_back(int(e));
+  });
+  std::vector<int> hexes;
+  for (const std::vector<int>& block : of_blocks) hexes.insert(hexes.end(), block.begin(), block.end());
+  return hexes;
+}
+
+}  // namespace
+
+double largest_move(const Model& model, const VectorXd& step) {
+  double largest = 0;
+  for (const Model::BodyRange& body : model.bodies)
+    for (int node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      largest = std::max(largest, step.segment<3>(3 * node).norm() / body.cell_size);
+  return largest;
+}
+
+double bearable_share(const Model& model, const VectorXd& step) {
+  VectorXd largest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);  // squared [cells]
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    double& most = largest[begin / hexes_per_block];
+    for (Eigen::Index e = begin; e < end; ++e) most = std::max(most, squared_distortion(model, step, e));
+  });
+  return std::min(1.0, bearable_distortion / std::sqrt(largest.maxCoeff()));
+}
+
+void ease(const Model& model, VectorXd& step) {
+  if (double(hexes_beyond(model, step, bearable_distortion).size()) > few * double(model.num_hexes())) return;
+  const std::vector<int> hexes = hexes_beyond(model, step, watched_share * bearable_distortion);
+  const auto count = Eigen::Index(hexes.size());
+  VectorXd distortions(count);
+  Points changes = Points::Zero(model.num_nodes(), 3);
+  VectorXi changed_by = VectorXi::Zero(model.num_nodes());  // hexes
+  for (int sweep = 0; sweep < easing_sweeps; ++sweep) {
+    parallel_blocks(count, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index i = begin; i < end; ++i) distortions[i] = std::sqrt(squared_distortion(model, step, hexes[i]));
+    });
+    std::vector<int> nodes;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (!(distortions[i] > bearable_distortion)) continue;
+      Vector3d mean = Vector3d::Zero();
+      for (int n = 0; n < 8; ++n) mean += step.segment<3>(3 * model.hexes(hexes[i], n)) / 8;
+      for (int n = 0; n < 8; ++n) {
+        const int node = model.hexes(hexes[i], n);
+        if (model.node_fixed[node]) continue;
+        if (changed_by[node]++ == 0) nodes.push_back(node);
+        changes.row(node) +=
+            (1 - bearable_distortion / distortions[i]) * (mean - step.segment<3>(3 * node)).transpose();
+      }
+    }
+    if (nodes.empty()) return;
+    for (const int node : nodes) {
+      step.segment<3>(3 * node) += changes.row(node).transpose() / changed_by[node];
+      changes.row(node).setZero();
+      changed_by[node] = 0;
+    }
+  }
+}
+
+double correction(const VectorXd& step, const VectorXd& before) {
+  if (before.size() == 0) return 1;
+  const double along = step.dot(before), share = along / before.squaredNorm();
+  if (std::abs(along) < same_direction * step.norm() * before.norm() || std::abs(share) < worth_correcting) return 1;
+  return 1 / (1 - std::min(share, 1 - 1 / largest_correction));
+}
+
+}  // namespace umax

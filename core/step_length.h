@@ -1,0 +1,24 @@
+// How far an iteration goes along its step: beyond a fifth of a cell of distortion, what is linear in it says little.
+#pragma once
+
+#include "core/model.h"
+
+namespace umax {
+
+/// Largest node displacement [cells of its body] of a step of 3 #N [m].
+double largest_move(const Model& model, const VectorXd& step);
+
+/// Share of a step of 3 #N [m] that moves no node of a hex by more than a fifth of a cell relative to the hex. However
+/// far bodies move as a whole.
+double bearable_share(const Model& model, const VectorXd& step);
+
+/// Where a step of 3 #N [m] distorts a few hexes by more than that, moves their nodes towards the hexes' mean motions,
+/// so that they do not hold up all others. Where it does so to many, they are left to bearable_share().
+void ease(const Model& model, VectorXd& step);
+
+/// Aitken's factor on a step along the one before, each the same share of the last: the multigrids' matrix, which lacks
+/// what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and fro) and too stiff
+/// under compression (they creep). 1 elsewhere, and where before is empty.
+double correction(const VectorXd& step, const VectorXd& before);
+
+}  // namespace umax

@@ -1,0 +1,78 @@
+// How far an iteration goes along its step.
+#include "core/step_length.h"
+#include "tests/support/bodies.h"
+#include "tests/support/catch.h"
+
+using namespace umax;
+
+namespace {
+
+constexpr double cell = 0.1;  // [m]
+constexpr int edge = 10;      // cells of the block
+
+int node_at(int i, int j, int k) {
+  return (i * (edge + 1) + j) * (edge + 1) + k;
+}
+
+// all nodes alike [cells], and one of them by this much more
+VectorXd spike(const Model& model, const Vector3d& all, int node, const Vector3d& more) {
+  VectorXd step(3 * model.num_nodes());
+  for (Eigen::Index i = 0; i < model.num_nodes(); ++i) step.segment<3>(3 * i) = cell * all;
+  step.segment<3>(3 * node) += cell * more;
+  return step;
+}
+
+}  // namespace
+
+TEST_CASE("a node that a step moves far beyond its neighbours does not hold up the others") {
+  Body block = test::make_block({edge, edge, edge}, Vector3d::Zero(), cell);
+  const int fixed = node_at(5, 5, 6);
+  block.fixed_nodes = {fixed};
+  const Model model = make_model({block}, {});
+  const int moved = node_at(5, 5, 5);
+  const Vector3d all = GENERATE(Vector3d(0, 0, 0), Vector3d(3, -4, 1));
+  VectorXd step = spike(model, all, moved, {1.5, 0, 0});
+  step.segment<3>(3 * fixed).setZero();
+  const double share = bearable_share(model, step);
+  REQUIRE(share < 0.2);
+  VectorXd eased = step;
+  ease(model, eased);
+  if (all.isZero()) {
+    CHECK(bearable_share(model, eased) > 0.9);
+    CHECK(eased[3 * moved] > share * step[3 * moved]);  // as far as the whole step's share, at least
+  }
+  CHECK(eased.segment<3>(3 * fixed).isZero(0));
+  const int far = node_at(10, 10, 10);
+  CHECK(eased.segment<3>(3 * far) == step.segment<3>(3 * far));
+}
+
+TEST_CASE("a step that distorts no hex much is left as it is, however far it goes") {
+  const Model model = make_model({test::make_block({edge, edge, edge}, Vector3d::Zero(), cell)}, {});
+  const VectorXd step = spike(model, {30, 0, -40}, node_at(5, 5, 5), {0, 0.2, 0});
+  REQUIRE(bearable_share(model, step) == 1);
+  VectorXd eased = step;
+  ease(model, eased);
+  CHECK(eased == step);
+  CHECK(largest_move(model, step) == Approx(50).epsilon(1e-3));
+}
+
+TEST_CASE("a step that distorts many hexes is left to be cut as a whole") {
+  const Model model = make_model({test::make_block({edge, edge, edge}, Vector3d::Zero(), cell)}, {});
+  VectorXd step = VectorXd::Zero(3 * model.num_nodes());
+  for (Eigen::Index i = 0; i < model.num_nodes(); ++i) step[3 * i] = 2 * model.rest_positions(i, 0);
+  REQUIRE(bearable_share(model, step) == Approx(0.2));
+  VectorXd eased = step;
+  ease(model, eased);
+  CHECK(eased == step);
+}
+
+TEST_CASE("steps along the last one are stretched where they creep, cut where they go to and fro") {
+  const VectorXd before = VectorXd::LinSpaced(30, -1, 2);
+  CHECK(correction(before, {}) == 1);
+  CHECK(correction(0.5 * before, before) == Approx(2.0));
+  CHECK(correction(-0.9 * before, before) == Approx(1 / 1.9));
+  CHECK(correction(0.3 * before, before) == 1);            // falls fast by itself
+  CHECK(correction(1.2 * before, before) == Approx(8.0));  // bounded
+  VectorXd across = before.reverse();
+  CHECK(correction(across, before) == 1);
+}
