@@ -19,20 +19,21 @@ namespace {
 // Measured on two cores (AMD EPYC), `umax simulate` of figure and beam, peak of the whole process:
 //   direct      2,996 hexes 234 MB (380 MB with 54 contacts), 10,000 451 MB, 27,000 (a cube) 1,047 MB, 30,001
 //               1,346 MB, 97,336 (a cube) 5,065 MB, 99,666 (a bar) 3,430 MB
-//   multigrid   10,000 hexes 226 MB, 100,003 461 MB, 1,000,053 2,511 MB
+//   multigrid   100,003 hexes 618 MB, 1,000,053 3,037 MB (31,000 of them at their limits)
 constexpr double program_bytes = 100e6;           // with no body
 constexpr double bytes_per_vertex = 700;          // the figure with 365 hexes and 116,000 of them: 183 MB
-constexpr double bytes_per_hex = 2700;            // cage, model, limits and multigrid
+constexpr double bytes_per_hex = 2700;            // cage, model, limits
+constexpr double multigrid_bytes_per_hex = 600;   // its levels and directions
 constexpr double bytes_per_irregular_hex = 12e3;  // its matrices
 constexpr double factor_bytes = 950;              // of the direct solver, times nodes^(4/3)
 
 // One Newton iteration, a step of the figure from rest takes 2: direct 0.9 s with 13,020 nodes, 7.1 s with 36,358; the
 // cube of 103,823 nodes 176 s a step; multigrid 0.65 s with 100,003 hexes, 8 s with 1,000,053 (0.2 s and 2 s are aimed
 // at). A clip of the figure with 365 hexes: steps of 55 ms and 4.5 iterations on the average.
-constexpr double direct_seconds = 6e-9;          // times nodes^2
-constexpr double direct_seconds_per_hex = 2e-5;  // assembly
+constexpr double direct_seconds = 6e-9;               // times nodes^2
+constexpr double direct_seconds_per_hex = 2e-5;       // assembly
 constexpr double multigrid_seconds_per_hex = 3.5e-6;  // falling; contacts and limits take several times that
-constexpr double newton_iterations = 5;  // a step, on the average of a clip with contacts and limits
+constexpr double newton_iterations = 5;               // a step, on the average of a clip with contacts and limits
 
 constexpr double worth_saying_bytes = 1 << 30, worth_saying_seconds = 600;
 
@@ -178,7 +179,7 @@ double lattice_memory(const JobSize& size) {
   for (const BodySize& body : size.bodies) {
     bytes += bytes_per_hex * body.hexes;
     if (body.irregular) bytes += bytes_per_irregular_hex * body.hexes;
-    if (!size.multigrid) bytes += factor_memory(body);
+    bytes += size.multigrid ? multigrid_bytes_per_hex * body.hexes : factor_memory(body);
   }
   return bytes;
 }

@@ -45,9 +45,9 @@ std::vector<Include> includes_of(const std::string& room) {
 
 bool is_standard(const std::string& target) {
   // the C++ library has no dot, C and POSIX headers end in .h
-  static const std::set<std::string> posix{"fcntl.h",     "unistd.h",       "spawn.h",    "dlfcn.h",
-                                           "immintrin.h", "poll.h",         "sys/file.h", "sys/ioctl.h",
-                                           "sys/mman.h",  "sys/resource.h", "sys/stat.h", "sys/wait.h"};
+  static const std::set<std::string> posix{"fcntl.h",        "malloc.h",   "unistd.h",   "spawn.h",     "dlfcn.h",
+                                           "immintrin.h",    "poll.h",     "sys/file.h", "sys/ioctl.h", "sys/mman.h",
+                                           "sys/resource.h", "sys/stat.h", "sys/wait.h"};
   return target.find_first_of("./") == std::string::npos || posix.count(target) > 0;
 }
 
