@@ -236,7 +236,7 @@ std::vector<int> node_slots(const BrickLattice& lattice, const Cells& cells, con
     for (int n = 0; n < 8; ++n)
       if (slots[hexes(e, n)] < 0)
         slots[hexes(e, n)] =
-            slot_of(lattice, cells.row(e).transpose() - lattice.first_cell + Vector3i(n >> 2 & 1, n >> 1 & 1, n & 1));
+            slot_of(lattice, cells.row(e).transpose() - lattice.first_cell + corner(n));
   return slots;
 }
 

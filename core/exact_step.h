@@ -9,7 +9,8 @@
 //   dx = -A^-1 grad + A^-1 J^T f,   gap + n.J dx >= 0  perp  f_n >= 0,   friction in the cone, by projected
 //   Gauss-Seidel.
 // On multigrids limits are rows of a saddle-point system instead, and the Schur complement is never formed
-// (core/multigrid_subproblem.h).
+// (core/multigrid_subproblem.h), and where a step distorts few hexes too much these are eased (core/step_length.h), not
+// all others held back.
 // Multipliers are force-level, start from the last step's, and are updated with the step: lambda <- max(0, t + rho
 // G.dx/U_max); a limit is held from iteration to iteration until that would be negative. If the exact Hessian leaves A
 // indefinite, the warped stiffness stands in for that iteration.

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
-
 namespace umax {
 namespace {
 
@@ -60,28 +58,20 @@ void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& produ
   parallel_blocks(Eigen::Index(terms.hexes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index h = begin; h < end; ++h) {
       const HexTerms::Hex& hex = terms.hexes[h];
-      const Vector24d local = gather(hex, x).cast<double>();
-      using Scalar = typename Vector::Scalar;
-      for (int t = hex.first; t < hex.end; ++t) products[t] = Scalar(terms.vectors[t].cast<double>().dot(local));
+      using Scalar = typename Vector::Scalar;  // that sums are in, too
+      const auto local = gather(hex, x).cast<Scalar>().eval();
+      for (int t = hex.first; t < hex.end; ++t) products[t] = terms.vectors[t].cast<Scalar>().dot(local);
     }
   });
 }
 
 template <class Vector>
 void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x) {
-  for (int colour = 0; colour < 8; ++colour) {
-    const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
-    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
-      for (Eigen::Index h = first + begin; h < first + end; ++h) {
-        const HexTerms::Hex& hex = terms.hexes[h];
-        HexTerms::Vector24f sum = float(factors[hex.first]) * terms.vectors[hex.first];
-        for (int t = hex.first + 1; t < hex.end; ++t) sum += float(factors[t]) * terms.vectors[t];
-        for (int n = 0; n < 8; ++n)
-          for (int c = 0; c < 3; ++c)
-            x[slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes] += sum[3 * n + c];
-      }
-    });
-  }
+  for_each_apart(terms, [&](const HexTerms::Hex& hex) {
+    HexTerms::Vector24f sum = float(factors[hex.first]) * terms.vectors[hex.first];
+    for (int t = hex.first + 1; t < hex.end; ++t) sum += float(factors[t]) * terms.vectors[t];
+    add_at_nodes(hex, sum, x);
+  });
 }
 
 template void multiply(const HexTerms&, const AlignedArray<float>&, VectorXd&);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/hex_operator.h"
+#include "core/parallel.h"
 
 namespace umax {
 
@@ -40,6 +41,25 @@ struct HexTerm {
 /// Sorts the terms, zeroes them at nodes that are not free. cells, node_slots: as in BrickLattice's functions.
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
                         const std::vector<int>& node_slots, const AlignedArray<float>& diagonal);
+
+/// Calls body(hex) for every hex with terms, at the same time only for hexes that share no nodes: it may write there.
+template <class Body>
+void for_each_apart(const HexTerms& terms, const Body& body) {
+  constexpr Eigen::Index grain = 64;  // hexes per task
+  for (int colour = 0; colour < 8; ++colour) {
+    const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
+    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index h = first + begin; h < first + end; ++h) body(terms.hexes[h]);
+    });
+  }
+}
+
+/// x += local, 3 numbers for each of the hex's nodes.
+inline void add_at_nodes(const HexTerms::Hex& hex, const HexTerms::Vector24f& local, AlignedArray<float>& x) {
+  for (int n = 0; n < 8; ++n)
+    for (int c = 0; c < 3; ++c)
+      x[slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes] += local[3 * n + c];
+}
 
 /// products = G^T x.
 template <class Vector>

@@ -1,10 +1,10 @@
 #include "core/multigrid.h"
 
-#include "core/multigrid_cycle.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "core/multigrid_cycle.h"
 
 namespace umax {
 namespace {
@@ -51,8 +51,7 @@ void connect(MultigridLevel& fine, const BrickLattice& coarse) {
   for (std::size_t b = 1; b < fine.lattice.bricks.size(); ++b) {
     const Vector3i place = place_of(fine.lattice.bricks[b]), parent = place.cwiseQuotient(fine.factor);
     for (int axis = 0; axis < 3; ++axis) fine.children[b].half[axis] = place[axis] - parent[axis] * fine.factor[axis];
-    for (int n = 0; n < 8; ++n)
-      fine.children[b].coarse[n] = find_brick(coarse, parent + Vector3i(n >> 2, n >> 1 & 1, n & 1));
+    for (int n = 0; n < 8; ++n) fine.children[b].coarse[n] = find_brick(coarse, parent + corner(n));
   }
 }
 
@@ -140,7 +139,7 @@ void for_each_set(const std::vector<std::uint16_t>& masks, const Visit& visit) {
 // slot of corner n of the cell in a slot
 int corner_slot(const BrickLattice& lattice, int cell, int n) {
   const int line = cell / brick_lanes % brick_lines;
-  const Vector3i at(line / brick_edge + (n >> 2 & 1), line % brick_edge + (n >> 1 & 1), cell % brick_lanes + (n & 1));
+  const Vector3i at = Vector3i(line / brick_edge, line % brick_edge, cell % brick_lanes) + corner(n);
   const int near = near_index(at[0] / brick_edge, at[1] / brick_edge, at[2] / brick_lanes);
   const int brick = lattice.bricks[cell / brick_slots].near[near];
   return (brick * brick_lines + brick_edge * (at[0] % brick_edge) + at[1] % brick_edge) * brick_lanes +
@@ -173,6 +172,27 @@ MatrixXd assemble(const MultigridLevel& level, const std::vector<int>& slots) {
   return A;
 }
 
+// Both return which of the two iterates is current, they alternate.
+int smooth(MultigridLevel& level, const AlignedArray<float>& b, int current, double& product) {
+  for (const ChebyshevStep& step : level.steps) {
+    product = chebyshev(level.op, level.matrix, level.inverse, step, b, level.x[current], level.x[1 - current]);
+    current = 1 - current;
+  }
+  return current;
+}
+
+int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double& product) {
+  jacobi_from_zero(level, b, level.steps[0].gain);
+  int current = 0;
+  for (std::size_t n = 1; n < level.steps.size(); ++n) {
+    ChebyshevStep step = level.steps[n];
+    if (n == 1) step.momentum = 0;  // the iterate before is zero
+    product = chebyshev(level.op, level.matrix, level.inverse, step, b, level.x[current], level.x[1 - current]);
+    current = 1 - current;
+  }
+  return current;
+}
+
 // returns which of the level's two arrays has x ~ A^-1 b; product: b . x
 AlignedArray<float>& cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, double& product) {
   MultigridLevel& level = multigrid.levels[depth];
@@ -201,26 +221,6 @@ AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>
   multigrid.dense.solveInPlace(x);
   to_bricks(slots, x, level.x[0]);
   return level.x[0];
-}
-
-int smooth(MultigridLevel& level, const AlignedArray<float>& b, int current, double& product) {
-  for (const ChebyshevStep& step : level.steps) {
-    product = chebyshev(level.op, level.matrix, level.inverse, step, b, level.x[current], level.x[1 - current]);
-    current = 1 - current;
-  }
-  return current;
-}
-
-int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double& product) {
-  jacobi_from_zero(level, b, level.steps[0].gain);
-  int current = 0;
-  for (std::size_t n = 1; n < level.steps.size(); ++n) {
-    ChebyshevStep step = level.steps[n];
-    if (n == 1) step.momentum = 0;  // the iterate before is zero
-    product = chebyshev(level.op, level.matrix, level.inverse, step, b, level.x[current], level.x[1 - current]);
-    current = 1 - current;
-  }
-  return current;
 }
 
 void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain) {

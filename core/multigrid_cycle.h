@@ -8,10 +8,6 @@ namespace umax {
 /// x[0] = gain D^-1 b.
 void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain);
 
-/// The level's own smoother; the iterates alternate between its two arrays. Both return which one is current.
-int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double& product);
-int smooth(MultigridLevel& level, const AlignedArray<float>& b, int current, double& product);
-
 /// The next level's b = P^T (b - A x).
 void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, int current);
 

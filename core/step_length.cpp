@@ -39,6 +39,19 @@ std::vector<int> hexes_beyond(const Model& model, const VectorXd& step, double d
   return hexes;
 }
 
+// adds to the changes of the hex's free nodes what brings them nearer to its mean motion, by a share of the distance
+void pull_together(const Model& model, const VectorXd& step, int hex, double share, std::vector<int>& nodes,
+                   Points& changes, VectorXi& changed_by) {
+  Vector3d mean = Vector3d::Zero();
+  for (int n = 0; n < 8; ++n) mean += step.segment<3>(3 * model.hexes(hex, n)) / 8;
+  for (int n = 0; n < 8; ++n) {
+    const int node = model.hexes(hex, n);
+    if (model.node_fixed[node]) continue;
+    if (changed_by[node]++ == 0) nodes.push_back(node);
+    changes.row(node) += share * (mean - step.segment<3>(3 * node)).transpose();
+  }
+}
+
 }  // namespace
 
 double largest_move(const Model& model, const VectorXd& step) {
@@ -59,8 +72,11 @@ double bearable_share(const Model& model, const VectorXd& step) {
 }
 
 void ease(const Model& model, VectorXd& step) {
-  if (double(hexes_beyond(model, step, bearable_distortion).size()) > few * double(model.num_hexes())) return;
   const std::vector<int> hexes = hexes_beyond(model, step, watched_share * bearable_distortion);
+  const auto beyond = std::count_if(hexes.begin(), hexes.end(), [&](int hex) {
+    return squared_distortion(model, step, hex) > bearable_distortion * bearable_distortion;
+  });
+  if (beyond == 0 || double(beyond) > few * double(model.num_hexes())) return;
   const auto count = Eigen::Index(hexes.size());
   VectorXd distortions(count);
   Points changes = Points::Zero(model.num_nodes(), 3);
@@ -69,19 +85,10 @@ void ease(const Model& model, VectorXd& step) {
     parallel_blocks(count, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
       for (Eigen::Index i = begin; i < end; ++i) distortions[i] = std::sqrt(squared_distortion(model, step, hexes[i]));
     });
-    std::vector<int> nodes;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      if (!(distortions[i] > bearable_distortion)) continue;
-      Vector3d mean = Vector3d::Zero();
-      for (int n = 0; n < 8; ++n) mean += step.segment<3>(3 * model.hexes(hexes[i], n)) / 8;
-      for (int n = 0; n < 8; ++n) {
-        const int node = model.hexes(hexes[i], n);
-        if (model.node_fixed[node]) continue;
-        if (changed_by[node]++ == 0) nodes.push_back(node);
-        changes.row(node) +=
-            (1 - bearable_distortion / distortions[i]) * (mean - step.segment<3>(3 * node)).transpose();
-      }
-    }
+    std::vector<int> nodes;  // of hexes that are beyond
+    for (Eigen::Index i = 0; i < count; ++i)
+      if (distortions[i] > bearable_distortion)
+        pull_together(model, step, hexes[i], 1 - bearable_distortion / distortions[i], nodes, changes, changed_by);
     if (nodes.empty()) return;
     for (const int node : nodes) {
       step.segment<3>(3 * node) += changes.row(node).transpose() / changed_by[node];

@@ -31,10 +31,6 @@ Vector3i neighbour_step(int n) {
   return {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
 }
 
-Vector3i corner_step(int n) {
-  return {n >> 2 & 1, n >> 1 & 1, n & 1};
-}
-
 Matrix3d frame_at(const HexMatrix<float>& matrix, int slot) {
   Matrix3d Q;
   for (int r = 0; r < frame_components; ++r)
@@ -97,7 +93,7 @@ std::vector<int> choose(const BrickLattice& lattice, const std::vector<float>& s
 std::array<int, 8> shared_nodes(const Vector3i& step) {
   std::array<int, 8> local{};
   for (int n = 0; n < 8; ++n) {
-    const Vector3i at = corner_step(n) + step;
+    const Vector3i at = corner(n) + step;
     local[n] = at.minCoeff() >= 0 && at.maxCoeff() <= 1 ? 4 * at[0] + 2 * at[1] + at[2] : -1;
   }
   return local;
@@ -155,12 +151,12 @@ void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, con
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
         if (local[a] >= 0)
-          A.block<3, 3>(3 * local[a], 3 * at(step + corner_step(b))) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+          A.block<3, 3>(3 * local[a], 3 * at(step + corner(b))) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
   });
   for (int n = 0; n < 8; ++n) {
     const double w = double(matrix.diagonal[nodes[n]]);
     if (w > 0)
-      A.block<3, 3>(3 * n, 3 * at(corner_step(n))).diagonal().array() += w;
+      A.block<3, 3>(3 * n, 3 * at(corner(n))).diagonal().array() += w;
     else
       A.middleRows<3>(3 * n).setZero();
   }
@@ -208,7 +204,7 @@ StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matri
   }
   parallel_blocks(Eigen::Index(chosen.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
-      for (int n = 0; n < 8; ++n) cells.nodes[e][n] = slot_at(lattice, chosen[e], corner_step(n));
+      for (int n = 0; n < 8; ++n) cells.nodes[e][n] = slot_at(lattice, chosen[e], corner(n));
       cells.inverses[e] = damped_inverse(local_matrix(lattice, matrix, stiffness, chosen[e]), matrix, cells.nodes[e]);
       if (with_rows) store_rows(lattice, matrix, stiffness, chosen[e], cells.nodes[e], cells.reached[e], cells.rows[e]);
     }
