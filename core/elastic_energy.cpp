@@ -94,15 +94,26 @@ Vector24d warped_gradient(const Matrix24d& K, double young, const CorotatedHex& 
 }
 
 Vector24d exact_gradient(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex) {
+  return energy_with_gradient(K, young, h, hex).gradient;
+}
+
+EnergyWithGradient energy_with_gradient(const Matrix24d& K, double young, const Matrix8x3d& h,
+                                        const CorotatedHex& hex) {
   Vector24d g = multiply<1>(K, hex.displacement);
+  const double energy = 0.5 * young * hex.displacement.dot(g);
   const Matrix3d moments = hex.local_nodes.transpose().lazyProduct(Nodes(g.data()));
   const Vector3d p = inverse_of_D(hex.stretch) * axial(moments);
   for (int j = 0; j < 8; ++j) g.segment<3>(3 * j) -= p.cross(Vector3d(h.row(j)));
-  return rotate_nodes(young * hex.rotation, g);
+  return {energy, rotate_nodes(young * hex.rotation, g)};
 }
 
 Matrix24d warped_hessian(const Matrix24d& K, double young, const CorotatedHex& hex) {
   return mix_columns(mix_columns(K, young * hex.rotation).transpose(), hex.rotation);
+}
+
+Vector24d warped_product(const Matrix24d& K, double young, const Matrix3d& rotation, const Matrix8x3d& x) {
+  const Matrix8x3d local = x.lazyProduct(rotation);
+  return rotate_nodes(young * rotation, multiply<1>(K, Eigen::Map<const Vector24d>(local.data())));
 }
 
 Matrix24d exact_hessian(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex) {

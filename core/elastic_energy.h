@@ -34,8 +34,18 @@ Vector24d warped_gradient(const Matrix24d& K, double young, const CorotatedHex& 
 /// continuously.
 Vector24d exact_gradient(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex);
 
+/// U and dU/dx at once.
+struct EnergyWithGradient {
+  double energy = 0;
+  Vector24d gradient;
+};
+EnergyWithGradient energy_with_gradient(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex);
+
 /// R Y K R^T [N/m]: positive semi-definite.
 Matrix24d warped_hessian(const Matrix24d& K, double young, const CorotatedHex& hex);
+
+/// R Y K R^T x, for 8 x 3 motions of the nodes.
+Vector24d warped_product(const Matrix24d& K, double young, const Matrix3d& rotation, const Matrix8x3d& x);
 
 /// d2U/dx2 [N/m], exact and symmetric; may be indefinite.
 Matrix24d exact_hessian(const Matrix24d& K, double young, const Matrix8x3d& h, const CorotatedHex& hex);

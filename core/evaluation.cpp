@@ -11,14 +11,8 @@ namespace umax {
 namespace {
 
 constexpr Eigen::Index hexes_per_block = 32;
+constexpr Eigen::Index nodes_per_block = 512;
 constexpr double negligible_motion = 1e-6;  // [cells] in a step: where nothing acts, rounding must not count
-
-double max_norm(const Model& model, const VectorXd& nodal) {
-  double largest = 0;
-  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
-    if (!model.node_fixed[node]) largest = std::max(largest, nodal.segment<3>(3 * node).cwiseAbs().maxCoeff());
-  return largest;
-}
 
 // natural map of the cone complementarity in units of force: 0 iff gap, force and sliding satisfy Signorini and Coulomb
 double cone_residual(const StepProblem& problem, const Points& positions, const Contact& contact) {
@@ -34,32 +28,6 @@ double cone_residual(const StepProblem& problem, const Points& positions, const 
   return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
 }
 
-// the forces of a Lagrangian's gradient, by kind
-struct Forces {
-  VectorXd inertia;  // gravity included
-  VectorXd gravity, elastic, limit, contact;
-};
-
-Forces forces_at(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
-                 const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
-  const Model& model = *problem.model;
-  Forces forces;
-  forces.inertia = inertia_gradient(problem, positions);
-  forces.gravity.resize(3 * model.num_nodes());
-  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
-    forces.gravity.segment<3>(3 * node) = model.node_mass[node] * problem.options->gravity;
-  forces.elastic = gather(model, evaluation.elastic) + gather(model, evaluation.damping);
-  forces.limit = VectorXd::Zero(3 * model.num_nodes());
-  for (Eigen::Index l = 0; l < limit_factors.size(); ++l)
-    if (limit_factors[l] > 0)
-      for (int n = 0; n < 8; ++n)
-        forces.limit.segment<3>(3 * model.hexes(model.limits[l].hex, n)) +=
-            limit_factors[l] * evaluation.limit_gradient(model, l).segment<3>(3 * n);
-  forces.contact = VectorXd::Zero(3 * model.num_nodes());
-  for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, forces.contact);
-  return forces;
-}
-
 // what moves the heaviest node by the negligible distance
 double negligible_force(const StepProblem& problem) {
   double largest = 0;
@@ -69,11 +37,36 @@ double negligible_force(const StepProblem& problem) {
   return largest;
 }
 
-double largest_of(const StepProblem& problem, const Forces& forces) {
+// of a Lagrangian's gradient at free nodes: the largest component of the sum, and of any kind of force
+struct LargestForces {
+  double sum = 0, of_any_kind = 0;
+};
+
+LargestForces largest_forces(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                             const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
   const Model& model = *problem.model;
-  return std::max({max_norm(model, forces.inertia + forces.gravity), max_norm(model, forces.elastic),
-                   max_norm(model, forces.limit), max_norm(model, forces.contact), max_norm(model, forces.gravity),
-                   negligible_force(problem)});
+  VectorXd contact = VectorXd::Zero(3 * model.num_nodes());
+  for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, contact);
+  std::vector<LargestForces> of_blocks(std::size_t((model.num_nodes() + nodes_per_block - 1) / nodes_per_block));
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];
+    for (Eigen::Index node = begin; node < end; ++node) {
+      if (model.node_fixed[node]) continue;
+      const Vector3d inertia = inertia_at(problem, positions, node),
+                     weight = model.node_mass[node] * problem.options->gravity,
+                     internal = evaluation.internal.segment<3>(3 * node),
+                     limits = limits_at(model, evaluation, limit_factors, node), push = contact.segment<3>(3 * node);
+      largest.sum = std::max(largest.sum, (inertia + internal + limits - push).cwiseAbs().maxCoeff());
+      for (const Vector3d& force : {Vector3d(inertia + weight), weight, internal, limits, push})
+        largest.of_any_kind = std::max(largest.of_any_kind, force.cwiseAbs().maxCoeff());
+    }
+  });
+  LargestForces largest{0, negligible_force(problem)};
+  for (const LargestForces& of_block : of_blocks) {
+    largest.sum = std::max(largest.sum, of_block.sum);
+    largest.of_any_kind = std::max(largest.of_any_kind, of_block.of_any_kind);
+  }
+  return largest;
 }
 
 // energy and gradient of one limit of a hex whose elastic ones are known
@@ -100,7 +93,7 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   const SolverOptions& solver = problem.options->solver;
   const bool own_limit_gradients = solver.energy != EnergyMeasure::true_energy ||
                                    solver.jacobian != LimitJacobian::exact || !model.limit_forms.empty();
-  const bool damped = problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0;
+  const bool damped = !problem.rotations_t0.empty();
   evaluation.hexes.resize(model.num_hexes());
   evaluation.elastic.resize(24, model.num_hexes());
   evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
@@ -113,40 +106,50 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
       const Matrix8x3d x = hex_nodes(model, positions, e);
       const CorotatedHex hex = corotate(shape, solver.rotation, x);
       const double young = problem.young[e];
-      evaluation.elastic_energy[e] = elastic_energy(shape.stiffness, young, hex);
-      evaluation.elastic.col(e) =
-          exact_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
+      const EnergyWithGradient elastic =
+          energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
+      evaluation.elastic_energy[e] = elastic.energy;
+      evaluation.elastic.col(e) = elastic.gradient;
       for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
         evaluate_limit(problem, l, hex, evaluation);
       if (damped) {
-        const Matrix8x3d x0 = hex_nodes(model, problem.positions_t0, e);
-        const Matrix8x3d velocity = (x - x0) / problem.h;
-        evaluation.damping.col(e) = problem.damping_stiffness[e] *
-                                    (warped_hessian(shape.stiffness, young, corotate(shape, solver.rotation, x0)) *
-                                     Eigen::Map<const Vector24d>(velocity.data()));
+        const Matrix8x3d velocity = (x - hex_nodes(model, problem.positions_t0, e)) / problem.h;
+        evaluation.damping.col(e) =
+            problem.damping_stiffness[e] * warped_product(shape.stiffness, young, problem.rotations_t0[e], velocity);
       }
       evaluation.hexes[e] = hex;
     }
   });
+  evaluation.internal = gather(model, evaluation.elastic);
+  if (damped) evaluation.internal += gather(model, evaluation.damping);
 }
 
 VectorXd gather(const Model& model, const HexColumns& elements) {
   VectorXd nodal = VectorXd::Zero(3 * model.num_nodes());
-  for (Eigen::Index e = 0; e < elements.cols(); ++e)
-    for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(e, n)) += elements.col(e).segment<3>(3 * n);
+  if (elements.cols() == 0) return nodal;
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i)
+        nodal.segment<3>(3 * node) += elements.col(model.corners[i] / 8).segment<3>(3 * (model.corners[i] % 8));
+  });
   return nodal;
 }
 
-VectorXd inertia_gradient(const StepProblem& problem, const Points& positions) {
-  const Model& model = *problem.model;
-  VectorXd gradient(3 * model.num_nodes());
-  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
-    const Vector3d v1 = (positions.row(node) - problem.positions_t0.row(node)).transpose() / problem.h;
-    const Vector3d v0 = problem.velocities_t0.row(node).transpose();
-    gradient.segment<3>(3 * node) =
-        model.node_mass[node] * ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - problem.options->gravity);
+Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::Index node) {
+  const Vector3d v1 = (positions.row(node) - problem.positions_t0.row(node)).transpose() / problem.h;
+  const Vector3d v0 = problem.velocities_t0.row(node).transpose();
+  return problem.model->node_mass[node] *
+         ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - problem.options->gravity);
+}
+
+Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i) {
+    const int hex = model.corners[i] / 8, n = model.corners[i] % 8;
+    for (int l = model.limit_starts[hex]; l < model.limit_starts[hex + 1]; ++l)
+      if (factors[l] != 0) sum += factors[l] * evaluation.limit_gradient(model, l).segment<3>(3 * n);
   }
-  return gradient;
+  return sum;
 }
 
 double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions) {
@@ -170,16 +173,15 @@ double incremental_potential(const StepProblem& problem, const Evaluation& evalu
 
 double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                    const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
-  return largest_of(problem, forces_at(problem, evaluation, positions, limit_factors, contacts));
+  return largest_forces(problem, evaluation, positions, limit_factors, contacts).of_any_kind;
 }
 
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
   double cone = 0;
   for (const Contact& contact : contacts) cone = std::max(cone, cone_residual(problem, positions, contact));
-  const Forces forces = forces_at(problem, evaluation, positions, limit_factors, contacts);
-  const VectorXd sum = forces.inertia + forces.elastic + forces.limit - forces.contact;
-  return std::max(max_norm(*problem.model, sum), cone) / largest_of(problem, forces);
+  const LargestForces largest = largest_forces(problem, evaluation, positions, limit_factors, contacts);
+  return std::max(largest.sum, cone) / largest.of_any_kind;
 }
 
 }  // namespace umax

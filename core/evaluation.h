@@ -14,6 +14,7 @@ struct Evaluation {
   std::vector<CorotatedHex> hexes;  // #E
   HexColumns elastic;               // [N] dU/dx of the true energy
   HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
+  VectorXd internal;                // 3 #N [N] the sum of both at the nodes
   HexColumns limit;                 // #L columns [N] dU/dx of limited energies; none where all equal `elastic`
   VectorXd elastic_energy;          // #E [J] true energy
   VectorXd energy;                  // #L [J] of limits
@@ -29,9 +30,12 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
 /// Sums element vectors into nodes, in the order of the hexes: 3 #N.
 VectorXd gather(const Model& model, const HexColumns& elements);
 
-/// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g: what inertia, mass damping and gravity demand [N], fixed nodes
-/// too.
-VectorXd inertia_gradient(const StepProblem& problem, const Points& positions);
+/// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g: what inertia, mass damping and gravity demand [N] at a node, a
+/// fixed one too.
+Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::Index node);
+
+/// The sum of factors times limits' gradients [N] at a node. factors: #L [-].
+Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node);
 
 /// What a step without limits and contacts minimises [J]: 1/(2 h^2) |x - x0 - h v0|^2_M + damping + elastic energy -
 /// m g . (x - x0), with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).

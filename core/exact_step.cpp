@@ -165,7 +165,8 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     iterate.last_move = largest_move(model, newton.step);
     const double share = bearable_share(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
-    const double factor = share == 1 ? correction(newton.step, last_step) : share;
+    const bool is_balanced = quality.kkt <= solver.tolerance;  // a longer step would only spoil that
+    const double factor = share == 1 && !is_balanced ? correction(newton.step, last_step) : share;
     const double moved = factor > 1 ? factor * bearable_share(model, factor * newton.step) : factor;
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);

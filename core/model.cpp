@@ -127,6 +127,17 @@ void append(const Body& body, Model& model) {
   set_initial_velocities(body, node, model);
 }
 
+void group_corners(Model& model) {
+  model.corner_starts.setZero(model.num_nodes() + 1);
+  for (const int node : model.hexes.reshaped()) ++model.corner_starts[node + 1];
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    model.corner_starts[node + 1] += model.corner_starts[node];
+  model.corners.resize(8 * model.num_hexes());
+  VectorXi next = model.corner_starts;
+  for (int e = 0; e < int(model.num_hexes()); ++e)
+    for (int n = 0; n < 8; ++n) model.corners[next[model.hexes(e, n)]++] = 8 * e + n;
+}
+
 }  // namespace
 
 Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles) {
@@ -138,6 +149,7 @@ Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& o
   model.fibre_directions.resize(0, 3);
   model.limit_starts.setZero(1);
   for (const Body& body : bodies) append(body, model);
+  group_corners(model);
   for (const Obstacle& obstacle : obstacles) validate(obstacle);
   model.obstacles = obstacles;
   return model;

@@ -107,6 +107,8 @@ struct Model {
   VectorXd node_mass;            // #N [kg] lumped
   std::vector<char> node_fixed;  // #N
   Hexes hexes;                   // #E x 8
+  VectorXi corners;              // 8 #E corners of hexes, 8 e + n, grouped by their node and ascending
+  VectorXi corner_starts;        // #N + 1 those of a node: corner_starts[node] ... corner_starts[node + 1] - 1
   std::vector<HexShape> shapes;  // distinct element shapes
   VectorXi hex_shape;            // #E index into shapes
   VectorXi hex_body;             // #E index into bodies

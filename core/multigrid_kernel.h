@@ -52,6 +52,25 @@ struct RotationSearch {
   std::uint16_t* unresolved = nullptr;  // as in FrameCoarsening
 };
 
+/// Strips of 16 unknowns each, in vectors with a lane more on both sides, which has the value of the strips below and
+/// above: a matrix with ones on its diagonal adds to a strip products of 16 entries with 16 consecutive lanes.
+inline constexpr int strip_stride = brick_lanes + 2;
+struct Strips {
+  const std::int32_t *below = nullptr, *above = nullptr;  // strips, -1: none
+  const std::int32_t* starts = nullptr;                   // of a strip's entries, and the end
+  const std::int32_t* places = nullptr;                   // of an entry: where the lanes begin that it multiplies
+  const std::int16_t* entries = nullptr;                  // 16 each
+  float unit = 0;                                         // that they are multiples of
+};
+/// A step of Chebyshev's iteration: rest -= S move, next = momentum move + gain rest, x += next; move and next with the
+/// lanes beside.
+struct StripSweep {
+  Strips strips;
+  const float* move = nullptr;
+  float *next = nullptr, *rest = nullptr, *x = nullptr;
+  float momentum = 0, gain = 0;
+};
+
 struct MultigridKernels {
   void (*invert_blocks)(const BlockInversion&, int first, int last) = nullptr;
   void (*coarsen_frames)(const FrameCoarsening&, int first, int last) = nullptr;
@@ -68,6 +87,8 @@ struct MultigridKernels {
   void (*turn)(const float* z, float beta, float* p, int first, int last) = nullptr;
   /// x += alpha p, r -= alpha q; returns r . r.
   double (*advance)(const float* p, const float* q, float alpha, float* x, float* r, int first, int last) = nullptr;
+  /// Over strips.
+  void (*sweep_strips)(const StripSweep&, int first, int last) = nullptr;
 };
 
 const MultigridKernels& multigrid_kernels(InstructionSet set);

@@ -196,9 +196,34 @@ inline double advance(const float* p, const float* q, float alpha, float* x, flo
   return total;
 }
 
+inline void sweep_strips(const StripSweep& sweep, int first, int last) {
+  const Strips& strips = sweep.strips;
+  for (int s = first; s < last; ++s) {
+    F sums[vectors<float>] = {};
+    for (std::int32_t e = strips.starts[s]; e < strips.starts[s + 1]; ++e)
+      for (int v = 0; v < vectors<float>; ++v)
+        sums[v] = multiply_add(load_short(strips.entries + std::size_t(e) * brick_lanes + v * width<float>),
+                               load<float>(sweep.move + strips.places[e] + v * width<float>), sums[v]);
+    const std::size_t inner = std::size_t(s) * brick_lanes, outer = std::size_t(s) * strip_stride + 1;
+    for (int v = 0; v < vectors<float>; ++v) {
+      const std::size_t lane = std::size_t(v) * width<float>;
+      const F move = load<float>(sweep.move + outer + lane);
+      const F rest = load<float>(sweep.rest + inner + lane) - (move + strips.unit * sums[v]);
+      const F next = sweep.momentum * move + sweep.gain * rest;
+      store<float>(sweep.rest + inner + lane, rest);
+      store<float>(sweep.next + outer + lane, next);
+      store<float>(sweep.x + inner + lane, load<float>(sweep.x + inner + lane) + next);
+    }
+    if (strips.below[s] >= 0)
+      sweep.next[std::size_t(strips.below[s]) * strip_stride + brick_lanes + 1] = sweep.next[outer];
+    if (strips.above[s] >= 0)
+      sweep.next[std::size_t(strips.above[s]) * strip_stride] = sweep.next[outer + brick_lanes - 1];
+  }
+}
+
 extern const MultigridKernels more_kernels;
-constexpr MultigridKernels more_kernels = {
-    invert_blocks, coarsen_frames, find_rotations, restrict_nodes<3>, restrict_nodes<1>, prolong,
-    block_jacobi,  turn,           advance};
+constexpr MultigridKernels more_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
+                                           restrict_nodes<1>, prolong,        block_jacobi,   turn,
+                                           advance,           sweep_strips};
 
 }  // namespace umax::UMAX_SIMD

@@ -37,21 +37,11 @@ Accuracy accuracy_at(double kkt_residual, double kkt_fall, bool has_contacts, do
           .final = kkt_residual <= near};
 }
 
-// forces, and what follows from them
+// Forces [N], 3 per contact, and the error [-] that is left in the linear system with them.
 struct ContactSolution {
-  VectorXd forces;  // 3 per contact [N]
-  NewtonStep newton;
+  VectorXd forces;
+  double error = 0;
 };
-
-VectorXd motions_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& step) {
-  VectorXd motions(3 * Eigen::Index(contacts.size()));
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    Vector3d sum = Vector3d::Zero();
-    for (int n = 0; n < 8; ++n) sum += contacts[i].weights[n] * step.segment<3>(3 * model.hexes(contacts[i].hex, n));
-    motions.segment<3>(3 * Eigen::Index(i)) = sum;
-  }
-  return motions;
-}
 
 VectorXd push_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces) {
   VectorXd push = VectorXd::Zero(3 * model.num_nodes());
@@ -92,14 +82,21 @@ bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vec
   return true;
 }
 
-void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate& iterate, const Accuracy& accuracy,
-                    Workspace::Data& workspace, StepReport& report, ContactSolution& solution) {
+// returns the error
+double improve(const SaddlePointOptions& options, MultigridSystem& system, StepReport& report) {
+  const SaddlePointReport linear = improve(options, system);
+  report.linear_iterations += linear.iterations;
+  return linear.error;
+}
+
+void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
+                    StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
-  MultilevelCompliance compliance = make_multilevel_compliance(model, *workspace.multigrid, iterate.contacts);
+  MultilevelCompliance compliance = make_multilevel_compliance(model, system, iterate.contacts);
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
-  VectorXd motions = motions_of(model, iterate.contacts, solution.newton.step);
-  bool solved = solution.newton.error <= accuracy.linear;  // or as far as the linear solver gets
+  VectorXd motions = contact_motions(model, iterate.contacts, system);
+  bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
   for (int i = 0; i < max_corrections; ++i) {
     const VectorXd w = fixed + motions;
     VectorXd forces = solution.forces;
@@ -111,17 +108,15 @@ void solve_contacts(const StepProblem& problem, const Linearisation& at, Iterate
     if (settled && solved) return;
     const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
-    solution.newton = solve_on(problem, at, push_of(model, iterate.contacts, change),
-                               {.tolerance = accuracy.linear, .reduction = fall}, workspace, report);
-    solved = settled || solution.newton.error <= accuracy.linear;
+    add_contact_forces(model, iterate.contacts, change, system);
+    solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report);
+    solved = settled || solution.error <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
-    const VectorXd moved = motions_of(model, iterate.contacts, solution.newton.step);
+    const VectorXd moved = contact_motions(model, iterate.contacts, system);
     learn(change, moved - motions, compliance);
     motions = moved;
   }
-  if (!solved)
-    solution.newton =
-        solve_on(problem, at, VectorXd::Zero(3 * model.num_nodes()), {.tolerance = accuracy.linear}, workspace, report);
+  if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report);
 }
 
 }  // namespace
@@ -133,19 +128,21 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   ++report.factorisations;
   const Accuracy accuracy =
       accuracy_at(report.kkt_residual, iterate.kkt_fall, !iterate.contacts.empty(), problem.options->solver.tolerance);
-  ContactSolution solution;
-  solution.forces = known_forces(problem, iterate.contacts);
-  solution.newton = solve_multigrid(
-      problem, at, grad - push_of(model, iterate.contacts, solution.forces),
-      {.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : coarsest_fall}, workspace, report);
+  MultigridSystem& system = *workspace.multigrid;
+  ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
+  begin(model, push_of(model, iterate.contacts, solution.forces) - grad, true, system);
+  solution.error = improve({.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : coarsest_fall},
+                           system, report);
+  NewtonStep newton;
   for (int round = 0; round < max_contact_rounds; ++round) {
-    if (!iterate.contacts.empty()) solve_contacts(problem, at, iterate, accuracy, workspace, report, solution);
+    if (!iterate.contacts.empty()) solve_contacts(problem, iterate, accuracy, system, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
-    if (add_linearised_contacts(problem, solution.newton.step, iterate) == 0) break;
+    newton = multigrid_step(model, at, system);
+    if (add_linearised_contacts(problem, newton.step, iterate) == 0) break;
     solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
   }
-  return std::move(solution.newton);
+  return newton;
 }
 
 }  // namespace umax

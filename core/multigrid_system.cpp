@@ -177,17 +177,60 @@ void add_force(const Model& model, const VectorXd& force, MultigridSystem& syste
   }
 }
 
-LinearSolution solve(const Model& model, const SaddlePointOptions& options, MultigridSystem& system) {
+void add_contact_forces(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces,
+                        MultigridSystem& system) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const int body = model.hex_body[contacts[i].hex];
+    BodyGrid& grid = system.bodies[body];
+    const Vector3d force = forces.segment<3>(3 * Eigen::Index(i));
+    if (force.isZero(0)) continue;
+    if (grid.unit == 0) grid.unit = force.cwiseAbs().maxCoeff();
+    grid.point.pushed = true;
+    for (int n = 0; n < 8; ++n) {
+      const int node = model.hexes(contacts[i].hex, n);
+      if (model.node_fixed[node]) continue;
+      const std::size_t at = slot_offset(grid.node_slots[node - model.bodies[body].first_node], vector_components);
+      for (int c = 0; c < 3; ++c)
+        grid.point.residual[at + std::size_t(c) * brick_lanes] += float(contacts[i].weights[n] * force[c] / grid.unit);
+    }
+  }
+}
+
+SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& system) {
+  SaddlePointReport of_all;
+  for (BodyGrid& grid : system.bodies) {
+    if (grid.unit == 0) continue;
+    const SaddlePointReport report = solve(grid.multigrid, grid.terms, options, grid.point);
+    of_all.iterations += report.iterations;
+    of_all.error = std::max(of_all.error, report.error);
+  }
+  return of_all;
+}
+
+VectorXd contact_motions(const Model& model, const std::vector<Contact>& contacts, const MultigridSystem& system) {
+  VectorXd motions = VectorXd::Zero(3 * Eigen::Index(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const int body = model.hex_body[contacts[i].hex];
+    const BodyGrid& grid = system.bodies[body];
+    for (int n = 0; n < 8; ++n) {
+      const int node = model.hexes(contacts[i].hex, n) - model.bodies[body].first_node;
+      const std::size_t at = slot_offset(grid.node_slots[node], vector_components);
+      for (int c = 0; c < 3; ++c)
+        motions[3 * Eigen::Index(i) + c] +=
+            grid.unit * contacts[i].weights[n] * double(grid.point.x[at + std::size_t(c) * brick_lanes]);
+    }
+  }
+  return motions;
+}
+
+LinearSolution solution_of(const Model& model, const MultigridSystem& system) {
   LinearSolution solution{.x = VectorXd::Zero(3 * model.num_nodes()), .products = {}};
   Eigen::Index num_terms = 0;
   for (const BodyGrid& grid : system.bodies) num_terms += Eigen::Index(finest_terms(grid).vectors.size());
   solution.products.setZero(num_terms);
   for (std::size_t i = 0; i < system.bodies.size(); ++i) {
-    BodyGrid& grid = system.bodies[i];
+    const BodyGrid& grid = system.bodies[i];
     if (grid.unit == 0) continue;
-    const SaddlePointReport report = solve(grid.multigrid, grid.terms, options, grid.point);
-    solution.iterations += report.iterations;
-    solution.error = std::max(solution.error, report.error);
     const VectorXd products = grid.unit * (grid.point.y + grid.point.c);
     for (Eigen::Index t = 0; t < products.size(); ++t) solution.products[finest_terms(grid).sources[t]] = products[t];
     from_bricks(model.bodies[i], grid.node_slots, grid.point.x, grid.unit, solution.x);

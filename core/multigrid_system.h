@@ -47,14 +47,20 @@ void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSy
 /// b += force.
 void add_force(const Model& model, const VectorXd& force, MultigridSystem& system);
 
-struct LinearSolution {
-  VectorXd x;          // 3 #N
-  VectorXd products;   // g . x of each term, as handed in, in their order
-  int iterations = 0;  // of all bodies
-  double error = 0;    // [-] the largest of a body, as SaddlePointOptions::tolerance
-};
+/// The same by forces at contacts, 3 for each.
+void add_contact_forces(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces,
+                        MultigridSystem& system);
 
-/// Improves x, for the forces so far.
-LinearSolution solve(const Model& model, const SaddlePointOptions& options, MultigridSystem& system);
+/// Improves x, for the forces so far: iterations of all bodies, the largest error of a body.
+SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& system);
+
+/// How contacts move in x, 3 numbers for each.
+VectorXd contact_motions(const Model& model, const std::vector<Contact>& contacts, const MultigridSystem& system);
+
+struct LinearSolution {
+  VectorXd x;         // 3 #N
+  VectorXd products;  // g . x of each term, as handed in, in their order
+};
+LinearSolution solution_of(const Model& model, const MultigridSystem& system);
 
 }  // namespace umax

@@ -21,7 +21,7 @@ struct Motion {
 
 Motion at_rest(const MultilevelCompliance& compliance) {
   Motion motion{std::vector<Vector3d>(compliance.inverses.size(), Vector3d::Zero()), {}};
-  for (const MatrixXd& inverse : compliance.last) motion.last.push_back(VectorXd::Zero(inverse.rows()));
+  for (const Eigen::Index rows : compliance.last_rows) motion.last.push_back(VectorXd::Zero(rows));
   return motion;
 }
 
@@ -30,12 +30,7 @@ void push(const MultilevelCompliance& compliance, int contact, const Vector3d& f
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n)
       motion.nodes[share.nodes[n]].noalias() += compliance.inverses[share.nodes[n]] * (share.weights[n] * force);
-  const MatrixXd& last = compliance.last[point.body];
-  if (last.size() > 0)
-    for (int n = 0; n < 8; ++n)
-      if (point.last.weights[n] != 0)
-        motion.last[point.body].noalias() +=
-            last.middleCols<3>(3 * point.last.nodes[n]) * (point.last.weights[n] * force);
+  if (point.last_motion.size() > 0) motion.last[point.body].noalias() += point.last_motion.lazyProduct(force);
 }
 
 Vector3d motion_of(const MultilevelCompliance& compliance, int contact, const Motion& motion) {
@@ -43,7 +38,7 @@ Vector3d motion_of(const MultilevelCompliance& compliance, int contact, const Mo
   Vector3d sum = Vector3d::Zero();
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n) sum += share.weights[n] * motion.nodes[share.nodes[n]];
-  if (motion.last[point.body].size() > 0)
+  if (point.last_motion.size() > 0)
     for (int n = 0; n < 8; ++n)
       sum += point.last.weights[n] * motion.last[point.body].segment<3>(3 * point.last.nodes[n]);
   return sum;
@@ -126,19 +121,23 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
     for (const int i : of_body)
       for (int& node : compliance.points[i].shares[l].nodes) node += first;
   }
-  if (grid.multigrid.has_dense) compliance.last[body] = last_inverse(grid.multigrid, numberings.back().slots());
+  if (!grid.multigrid.has_dense) return;
+  const MatrixXd last = last_inverse(grid.multigrid, numberings.back().slots());
+  compliance.last_rows[body] = last.rows();
+  for (const int i : of_body) {
+    MultilevelCompliance::Point& point = compliance.points[i];
+    point.last_motion = MatrixXd::Zero(last.rows(), 3);
+    for (int n = 0; n < 8; ++n)
+      point.last_motion += point.last.weights[n] * last.middleCols<3>(3 * point.last.nodes[n]);
+  }
 }
 
 Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompliance::Point& point) {
   Matrix3d sum = Matrix3d::Zero();
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n) sum += share.weights[n] * share.weights[n] * compliance.inverses[share.nodes[n]];
-  const MatrixXd& last = compliance.last[point.body];
-  if (last.size() > 0)
-    for (int m = 0; m < 8; ++m)
-      for (int n = 0; n < 8; ++n)
-        sum += point.last.weights[m] * point.last.weights[n] *
-               last.block<3, 3>(3 * point.last.nodes[m], 3 * point.last.nodes[n]);
+  if (point.last_motion.size() > 0)
+    for (int n = 0; n < 8; ++n) sum += point.last.weights[n] * point.last_motion.middleRows<3>(3 * point.last.nodes[n]);
   return sum;
 }
 
@@ -158,7 +157,7 @@ MultilevelCompliance make_multilevel_compliance(const Model& model, const Multig
                                                 const std::vector<Contact>& contacts) {
   MultilevelCompliance compliance;
   compliance.points.resize(contacts.size());
-  compliance.last.resize(system.bodies.size());
+  compliance.last_rows.assign(system.bodies.size(), 0);
   for (std::size_t body = 0; body < system.bodies.size(); ++body)
     add_body(model, int(body), system.bodies[body], contacts, compliance);
   for (const MultilevelCompliance::Point& point : compliance.points)

@@ -25,15 +25,16 @@ struct MultilevelCompliance {
   struct Point {
     std::vector<Share> shares;  // on levels whose nodes move one by one
     int body = 0;
-    Share last;  // on the last level, whose nodes move together
+    Share last;            // on the last level, whose nodes move together:
+    MatrixXd last_motion;  // of its touched nodes (3 each) under a force at the point
   };
-  std::vector<Point> points;       // one per contact
-  std::vector<Matrix3d> inverses;  // D^-1 of the nodes that contacts touch, of all levels
-  std::vector<MatrixXd> last;      // per body: A^-1 between the touched nodes of its last level
-  std::vector<Matrix3d> blocks;    // per contact: its own motion under its own force, of B
-  MatrixXd forces, responses;      // S, Y: a column for each measurement
-  MatrixXd factors;                // B S beside Y
-  MatrixXd middle;                 // so that W = B + factors middle factors^T
+  std::vector<Point> points;            // one per contact
+  std::vector<Matrix3d> inverses;       // D^-1 of the nodes that contacts touch, of all levels
+  std::vector<Eigen::Index> last_rows;  // per body: 3 for each touched node of its last level
+  std::vector<Matrix3d> blocks;         // per contact: its own motion under its own force, of B
+  MatrixXd forces, responses;           // S, Y: a column for each measurement
+  MatrixXd factors;                     // B S beside Y
+  MatrixXd middle;                      // so that W = B + factors middle factors^T
 };
 
 MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,

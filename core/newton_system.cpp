@@ -3,11 +3,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "core/parallel.h"
+
 namespace umax {
 namespace {
 
 constexpr Eigen::Index multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
 constexpr double negligible_direction = 1e-9;   // share of a contact's stiffness
+constexpr Eigen::Index nodes_per_block = 512;
 
 enum class Elasticity {
   exact,     // the Hessian as it is: may be indefinite
@@ -20,7 +23,8 @@ bool is_definite(const StepProblem& problem, Eigen::Index e, const Matrix24d& el
   Matrix24d shifted = element;
   for (int n = 0; n < 8; ++n) {
     const int node = model.hexes(e, n);
-    const double share = model.node_mass[node] / problem.hexes_at_node[node] / (problem.h * problem.h);
+    const double share =
+        model.node_mass[node] / (model.corner_starts[node + 1] - model.corner_starts[node]) / (problem.h * problem.h);
     for (int axis = 0; axis < 3; ++axis) shifted(3 * n + axis, 3 * n + axis) += share;
   }
   return Eigen::LLT<Matrix24d>(shifted).info() == Eigen::Success;
@@ -70,10 +74,10 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
   if (elasticity == Elasticity::definite && !is_definite(problem, e, element))
     elastic_matrix(problem, evaluation, terms, e, false, element);
   if (problem.damping_stiffness[e] > 0) {
-    const HexShape& shape = model.shapes[model.hex_shape[e]];
-    const CorotatedHex start =
-        corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
-    element += problem.damping_stiffness[e] / problem.h * warped_hessian(shape.stiffness, problem.young[e], start);
+    CorotatedHex start;
+    start.rotation = problem.rotations_t0[e];
+    element += problem.damping_stiffness[e] / problem.h *
+               warped_hessian(model.shapes[model.hex_shape[e]].stiffness, problem.young[e], start);
   }
 }
 
@@ -116,18 +120,6 @@ HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const Lim
   return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
 }
 
-NewtonStep solve_further(const StepProblem& problem, const Linearisation& at, const SaddlePointOptions& options,
-                         Workspace::Data& workspace, StepReport& report) {
-  LinearSolution solution = solve(*problem.model, options, *workspace.multigrid);
-  report.linear_iterations += solution.iterations;
-  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size())), solution.error};
-  Eigen::Index term = 0;
-  for (std::size_t l = 0; l < at.limits.size(); ++l)
-    if (at.limits[l].rank_one > 0)
-      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
-  return newton;
-}
-
 }  // namespace
 
 bool uses_multigrid(const Model& model, const SolverOptions& solver) {
@@ -150,23 +142,23 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
   set_up(problem, iterate.positions, stiffening, terms, *workspace.multigrid);
 }
 
-NewtonStep solve_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
-                           const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report) {
-  begin(*problem.model, -slope, true, *workspace.multigrid);
-  return solve_further(problem, at, options, workspace, report);
-}
-
-NewtonStep solve_on(const StepProblem& problem, const Linearisation& at, const VectorXd& forces,
-                    const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report) {
-  add_force(*problem.model, forces, *workspace.multigrid);
-  return solve_further(problem, at, options, workspace, report);
+NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system) {
+  LinearSolution solution = solution_of(model, system);
+  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size()))};
+  Eigen::Index term = 0;
+  for (std::size_t l = 0; l < at.limits.size(); ++l)
+    if (at.limits[l].rank_one > 0)
+      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
+  return newton;
 }
 
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   if (uses_multigrid(*problem.model, problem.options->solver)) {
     set_up_multigrid(problem, at, iterate, workspace);
-    return solve_multigrid(problem, at, slope, {.tolerance = accuracy}, workspace, report).step;
+    begin(*problem.model, -slope, true, *workspace.multigrid);
+    report.linear_iterations += improve({.tolerance = accuracy}, *workspace.multigrid).iterations;
+    return solution_of(*problem.model, *workspace.multigrid).x;
   }
   report.factorisations += factorize(problem, at, iterate, workspace);
   VectorXd step = -slope;
@@ -209,13 +201,15 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
 
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
   const Model& model = *problem.model;
-  VectorXd sum = inertia_gradient(problem, iterate.positions) + gather(model, iterate.evaluation.elastic) +
-                 gather(model, iterate.evaluation.damping);
-  for (std::size_t l = 0; l < at.limits.size(); ++l)
-    if (at.limits[l].force != 0)
-      for (int n = 0; n < 8; ++n)
-        sum.segment<3>(3 * model.hexes(model.limits[l].hex, n)) +=
-            at.limits[l].force * iterate.evaluation.limit_gradient(model, Eigen::Index(l)).segment<3>(3 * n);
+  VectorXd factors(Eigen::Index(at.limits.size()));
+  for (std::size_t l = 0; l < at.limits.size(); ++l) factors[Eigen::Index(l)] = at.limits[l].force;
+  VectorXd sum(3 * model.num_nodes());
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      sum.segment<3>(3 * node) = inertia_at(problem, iterate.positions, node) +
+                                 iterate.evaluation.internal.segment<3>(3 * node) +
+                                 limits_at(model, iterate.evaluation, factors, node);
+  });
   for (std::size_t i = 0; i < at.contacts.size(); ++i) spread(model, iterate.contacts[i], -at.contacts[i].force, sum);
   clear_fixed(model, sum);
   return sum;

@@ -31,16 +31,10 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
 struct NewtonStep {
   VectorXd step;          // 3 #N [m]
   VectorXd limit_change;  // #L [J] G . step of limits with a rank-one term, 0 of others
-  double error = 0;       // [-] of the linear system, where multigrids solved it: as SaddlePointOptions::tolerance
 };
 
-/// -A^-1 slope with the matrix that set_up_multigrid() saw.
-NewtonStep solve_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
-                           const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report);
-
-/// The same with more forces of 3 #N [N], zero at fixed nodes, from where the last solve ended.
-NewtonStep solve_on(const StepProblem& problem, const Linearisation& at, const VectorXd& forces,
-                    const SaddlePointOptions& options, Workspace::Data& workspace, StepReport& report);
+/// The solution of the system that set_up_multigrid() saw, as far as it is solved.
+NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system);
 
 /// -A^-1 slope with the linear solver that is chosen for the model. Work is added to the report.
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,

@@ -15,7 +15,8 @@ namespace {
 using Direction = SaddlePoint::Direction;
 
 constexpr int most_directions = int(std::tuple_size_v<decltype(SaddlePoint::directions)>);
-constexpr Eigen::Index grain = 8;  // bricks per task
+constexpr double stuck_share = 0.98;  // of the residual's norm, from which its own direction leads nowhere
+constexpr Eigen::Index grain = 8;     // bricks per task
 constexpr int line_values = brick_lanes * vector_components;
 
 using Sums = std::array<double, most_directions>;
@@ -135,13 +136,17 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
   double norm = advance(lattice, weight, point.pushed ? kept(point) : std::vector<const Direction*>{}, point);
   point.pushed = false;
   SaddlePointReport report;
-  double started = 0;
+  double error = 0, started = 0;
+  bool stuck = false;
   while (norm > 0) {
+    const Direction& last = point.directions[(point.num_directions + most_directions - 1) % most_directions];
     VectorXd y;
-    const AlignedArray<float>& x = precondition(multigrid, coupled, point.residual, point.term_residual, y);
+    const AlignedArray<float>& x = precondition(multigrid, coupled, stuck ? last.image : point.residual,
+                                                stuck ? last.term_image : point.term_residual, y);
     Direction& d = point.directions[point.num_directions % most_directions];
     std::copy(x.begin(), x.end(), d.x.begin());
-    double error = std::sqrt(std::max(0.0, apply(level.op, level.matrix, d.x, d.image)));
+    const double size = std::sqrt(std::max(0.0, apply(level.op, level.matrix, d.x, d.image)));
+    if (!stuck) error = size;
     if (started == 0) started = error;
     point.largest_error = std::max(point.largest_error, error);
     const auto is_small = [&] {
@@ -162,6 +167,7 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
     ++report.iterations;
     const double before = std::exchange(norm, advance(lattice, weight, {&d}, point));
     error *= norm / before;  // as far as can be told without another cycle
+    stuck = norm > stuck_share * before;
     if (is_small()) break;
   }
   return report;

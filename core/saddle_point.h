@@ -3,8 +3,9 @@
 //   [ A    G ] [x]   [b]
 //   [ G^T -I ] [y] = [c]
 // with conjugate residuals, preconditioned by its multigrid (core/term_multigrid.h): generalised, as the cycle is no
-// symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). The count of iterations depends little on how
-// stiff the terms G are, and on the number of hexes.
+// symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). Where a residual's direction leads nowhere, the
+// next one is that of the last image, as in Arnoldi's method. The count of iterations depends little on how stiff the
+// terms G are, and on the number of hexes.
 #pragma once
 
 #include <array>

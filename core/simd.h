@@ -55,6 +55,14 @@ UMAX_INLINE Vec<T> load(const S* from) {
   }
 }
 
+/// As numbers in single precision.
+UMAX_INLINE Vec<float> load_short(const short* from) {
+  using Short __attribute__((vector_size(UMAX_SIMD_BYTES / 2))) = short;
+  Short v;
+  __builtin_memcpy(&v, from, sizeof(v));
+  return __builtin_convertvector(__builtin_convertvector(v, VectorOf<float>::Indices), Vec<float>);
+}
+
 template <class T, class S>
 UMAX_INLINE void store(S* to, Vec<T> v) {
   if constexpr (sizeof(T) == sizeof(S)) {

@@ -11,6 +11,15 @@ namespace {
 constexpr Eigen::Index hexes_per_block = 64;
 constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
 
+std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate, const Points& positions) {
+  std::vector<Matrix3d> rotations(std::size_t(model.num_hexes()));
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e)
+      rotations[e] = corotate(model.shapes[model.hex_shape[e]], estimate, hex_nodes(model, positions, e)).rotation;
+  });
+  return rotations;
+}
+
 }  // namespace
 
 StepProblem materials_at(const Model& model, const StepOptions& options, double time) {
@@ -36,8 +45,8 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Con
   problem.damping_mass.resize(model.num_nodes());
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
     problem.damping_stiffness[e] = model.bodies[model.hex_body[e]].material.damping_stiffness;
-  problem.hexes_at_node.setZero(model.num_nodes());
-  for (const int node : model.hexes.reshaped()) ++problem.hexes_at_node[node];
+  if (problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0)
+    problem.rotations_t0 = rotations_at(model, options.solver.rotation, state.positions);
   for (const Model::BodyRange& body : model.bodies)
     problem.damping_mass.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
   problem.contact =

@@ -13,14 +13,14 @@ namespace umax {
 struct StepProblem {
   const Model* model = nullptr;
   const StepOptions* options = nullptr;
-  double h = 0;                // [s]
-  Points positions_t0;         // #N x 3 [m]
-  Points velocities_t0;        // #N x 3 [m/s]
-  VectorXd young;              // #E [Pa] at the end of the step
-  VectorXd limits;             // #L [J] U_max at the end of the step
-  VectorXd damping_mass;       // #N [1/s] Rayleigh alpha
-  VectorXd damping_stiffness;  // #E [s] Rayleigh beta
-  VectorXi hexes_at_node;      // #N
+  double h = 0;                        // [s]
+  Points positions_t0;                 // #N x 3 [m]
+  Points velocities_t0;                // #N x 3 [m/s]
+  VectorXd young;                      // #E [Pa] at the end of the step
+  VectorXd limits;                     // #L [J] U_max at the end of the step
+  VectorXd damping_mass;               // #N [1/s] Rayleigh alpha
+  VectorXd damping_stiffness;          // #E [s] Rayleigh beta
+  std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps
   ContactStep contact;
   // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default

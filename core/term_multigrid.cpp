@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
 #include <utility>
 
 #include "core/multigrid_cycle.h"
-#include "core/parallel.h"
 
 namespace umax {
 namespace {
@@ -16,52 +15,60 @@ constexpr double damping = 1.9;         // w lambda, lambda the largest eigenval
 constexpr int smoothings = 2;           // before the coarser level, and after it: one does not converge
 constexpr int coarsest_smoothings = 8;  // where the last level is not factored
 constexpr Eigen::Index most_dense_terms = 1000;  // on the last level, for it to be factored
-constexpr Eigen::Index grain = 64;               // hexes per task
+
+constexpr int coordinate_bits = 20;  // of cells, where they are sorted
 
 using Vector24f = HexTerms::Vector24f;
 
-// P^T g, for a cell at `place` (0 or 1 along each axis) in its coarse cell
-Vector24f restricted(const Vector24f& g, const Vector3i& place, const Vector3i& factor) {
-  Vector24f coarse = Vector24f::Zero();
-  for (int n = 0; n < 8; ++n)
-    for (int m = 0; m < 8; ++m)
-      coarse.segment<3>(3 * m) += float(coarse_weight(place + corner(n), factor, m)) * g.segment<3>(3 * n);
-  return coarse;
+// P^T g is G W, G: g as 3 x 8; W(n, m) for a cell at `place`, one of corner(), in its coarse cell
+using Weights = Eigen::Matrix<float, 8, 8>;
+std::array<Weights, 8> restriction_weights(const Vector3i& factor) {
+  std::array<Weights, 8> weights;
+  for (int place = 0; place < 8; ++place)
+    for (int n = 0; n < 8; ++n)
+      for (int m = 0; m < 8; ++m) weights[place](n, m) = float(coarse_weight(corner(place) + corner(n), factor, m));
+  return weights;
 }
 
 // fills fine.parents
 TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid, TermLevel& fine) {
   const std::vector<HexTerms::Hex>& hexes = fine.terms.hexes;
   const auto parent = [&](int h) -> Vector3i { return hexes[h].cell.cwiseQuotient(fine_grid.factor); };
-  std::vector<int> order(hexes.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int h) {
+  std::vector<std::pair<std::uint64_t, int>> order;  // parents, by colour, and hexes
+  for (int h = 0; h < int(hexes.size()); ++h) {
     const Vector3i cell = parent(h);
-    return std::array{colour_of(cell), cell[0], cell[1], cell[2]};
-  };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+    std::uint64_t key = std::uint64_t(colour_of(cell));
+    for (int axis = 0; axis < 3; ++axis) key = key << coordinate_bits | std::uint64_t(cell[axis]);
+    order.emplace_back(key, h);
+  }
+  std::sort(order.begin(), order.end());
 
+  const std::array<Weights, 8> weights = restriction_weights(fine_grid.factor);
   TermLevel coarse;
   HexTerms& terms = coarse.terms;
   fine.parents.resize(fine.terms.vectors.size());
   std::vector<float> own;
   for (auto first = order.begin(); first != order.end();) {
-    const auto end = std::find_if(first, order.end(), [&](int h) { return key(h) != key(*first); });
+    const auto end = std::find_if(first, order.end(), [&](const auto& entry) { return entry.first != first->first; });
     HexTerms::Hex hex;
-    hex.cell = parent(*first);
+    hex.cell = parent(first->second);
     for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice, hex.cell + corner(n));
     int richest = 0;
-    for (auto h = first; h != end; ++h) richest = std::max(richest, hexes[*h].end - hexes[*h].first);
+    for (auto at = first; at != end; ++at) richest = std::max(richest, hexes[at->second].end - hexes[at->second].first);
     hex.first = int(terms.vectors.size());
     hex.end = hex.first + richest;
     terms.vectors.resize(hex.end, Vector24f::Zero());
     own.resize(hex.end, 0);
-    for (auto h = first; h != end; ++h) {
-      const Vector3i place = hexes[*h].cell - hex.cell.cwiseProduct(fine_grid.factor);
-      for (int t = hexes[*h].first; t < hexes[*h].end; ++t) {
-        const int to = hex.first + t - hexes[*h].first;
+    for (auto at = first; at != end; ++at) {
+      const HexTerms::Hex& covered = hexes[at->second];
+      const Vector3i place = covered.cell - hex.cell.cwiseProduct(fine_grid.factor);
+      const Weights& W = weights[4 * place[0] + 2 * place[1] + place[2]];
+      for (int t = covered.first; t < covered.end; ++t) {
+        const int to = hex.first + t - covered.first;
         fine.parents[t] = to;
-        terms.vectors[to] += restricted(fine.terms.vectors[t], place, fine_grid.factor);
+        using Nodes = Eigen::Matrix<float, 3, 8>;
+        Eigen::Map<Nodes>(terms.vectors[to].data()) +=
+            Eigen::Map<const Nodes>(fine.terms.vectors[t].data()).lazyProduct(W);
         own[to] += fine.own[t];
       }
     }
@@ -109,33 +116,22 @@ double weight_of(const MultigridLevel& grid, const TermLevel& level) {
       ++count;
     }
   if (count == 0) return 1;
-  const VectorXd scale = level.complement.scale.cast<double>();
+  const VectorXd scale = level.complement.matrix.scale.cast<double>();
   return scale.squaredNorm() / double(scale.size()) / (sum / double(count));
 }
 
 // (x, v) -= (w D^-1 G, G) dy
 void push_back(const TermLevel& level, const VectorXf& dy, AlignedArray<float>& x, AlignedArray<float>& v) {
-  const HexTerms& terms = level.terms;
-  for (int colour = 0; colour < 8; ++colour) {
-    const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
-    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
-      for (Eigen::Index h = first + begin; h < first + end; ++h) {
-        const HexTerms::Hex& hex = terms.hexes[h];
-        Vector24f of_x = dy[hex.first] * level.complement.responses[hex.first],
-                  of_v = dy[hex.first] * terms.vectors[hex.first];
-        for (int t = hex.first + 1; t < hex.end; ++t) {
-          of_x += dy[t] * level.complement.responses[t];
-          of_v += dy[t] * terms.vectors[t];
-        }
-        for (int n = 0; n < 8; ++n)
-          for (int c = 0; c < 3; ++c) {
-            const std::size_t at = slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes;
-            x[at] -= of_x[3 * n + c];
-            v[at] -= of_v[3 * n + c];
-          }
-      }
-    });
-  }
+  for_each_apart(level.terms, [&](const HexTerms::Hex& hex) {
+    Vector24f of_x = -dy[hex.first] * level.complement.responses[hex.first],
+              of_v = -dy[hex.first] * level.terms.vectors[hex.first];
+    for (int t = hex.first + 1; t < hex.end; ++t) {
+      of_x -= dy[t] * level.complement.responses[t];
+      of_v -= dy[t] * level.terms.vectors[t];
+    }
+    add_at_nodes(hex, of_x, x);
+    add_at_nodes(hex, of_v, v);
+  });
 }
 
 VectorXf products(const TermLevel& level, const AlignedArray<float>& x) {
@@ -145,14 +141,14 @@ VectorXf products(const TermLevel& level, const AlignedArray<float>& x) {
 }
 
 // the multipliers that bring x back to the terms; v: b - G y
-void project(const TermLevel& level, const VectorXf& q, AlignedArray<float>& x, AlignedArray<float>& v, VectorXf& y) {
+void project(TermLevel& level, const VectorXf& q, AlignedArray<float>& x, AlignedArray<float>& v, VectorXf& y) {
   const VectorXf dy = solve(level.complement, products(level, x) - q - level.own.cwiseProduct(y));
   y += dy;
   push_back(level, dy, x, v);
 }
 
 // returns which iterate is current
-int smooth_coupled(MultigridLevel& grid, const TermLevel& level, float w, const VectorXf& q, int current,
+int smooth_coupled(MultigridLevel& grid, TermLevel& level, float w, const VectorXf& q, int current,
                    AlignedArray<float>& v, VectorXf& y) {
   chebyshev(grid.op, grid.matrix, grid.inverse, {1, 0, w}, v, grid.x[current], grid.x[1 - current]);
   project(level, q, grid.x[1 - current], v, y);
@@ -182,7 +178,7 @@ AlignedArray<float>& solve_last(Multigrid& multigrid, const TermMultigrid& coupl
 AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::size_t depth, AlignedArray<float>& v,
                            const VectorXf& q, VectorXf& y) {
   MultigridLevel& grid = multigrid.levels[depth];
-  const TermLevel& level = coupled.levels[depth];
+  TermLevel& level = coupled.levels[depth];
   y = VectorXf::Zero(q.size());
   const bool last = depth + 1 == multigrid.levels.size();
   if (last && coupled.has_dense) return solve_last(multigrid, coupled, v, q, y);
@@ -224,9 +220,9 @@ void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) 
     coupled.levels.push_back(std::move(coarse));
   }
   set_up_last(multigrid, coupled);
-  const std::size_t smoothed = multigrid.levels.size() - (coupled.has_dense ? 1 : 0);
-  for (std::size_t depth = 0; depth < std::max<std::size_t>(1, smoothed);
-       ++depth) {  // the first's also tells the weight
+  // of the levels that are smoothed, and of the first one, whose complement tells the weight
+  const std::size_t complements = std::max<std::size_t>(1, multigrid.levels.size() - (coupled.has_dense ? 1 : 0));
+  for (std::size_t depth = 0; depth < complements; ++depth) {
     TermLevel& level = coupled.levels[depth];
     const MultigridLevel& grid = multigrid.levels[depth];
     set_up(grid, level.terms, level.own, damping_of(grid), level.complement);

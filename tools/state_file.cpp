@@ -202,9 +202,11 @@ Reader open_state(std::string_view bytes, const std::string& where, Digest& mode
 }  // namespace
 
 Digest model_digest(const Model& model, const StepOptions& options) {
-  const auto& [bodies, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, shapes, hex_shape,
-               hex_body, young_factor, limit_factor, fibre_directions, limits, limit_starts, limit_forms, surface] =
-      model;
+  const auto& [bodies, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, corners,
+               corner_starts, shapes, hex_shape, hex_body, young_factor, limit_factor, fibre_directions, limits,
+               limit_starts, limit_forms, surface] = model;
+  static_cast<void>(corners);  // these two from the hexes
+  static_cast<void>(corner_starts);
   static_cast<void>(shapes);  // follow from the rest positions and the materials
   static_cast<void>(limits);  // these three from the bodies' limits and the fibre directions
   static_cast<void>(limit_starts);

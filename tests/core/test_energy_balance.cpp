@@ -216,7 +216,7 @@ TEST_CASE("a frictionless fall never ends a step above the potential of its feas
   sphere.friction = 0;
   const std::vector<Obstacle> ground{test::make_ground()};
   State state = rest_state(make_model({sphere}, ground));
-  state.positions.col(1).array() += 0.3;  // some steps in flight first
+  state.positions.col(1).array() += 0.5;  // a dozen steps in flight first
   const PotentialCheck fall = potentials(sphere, ground, state, options_with(1e-3), 150);
   CHECK(fall.judged > 10);
   CHECK(fall.above == 0);
