@@ -235,8 +235,7 @@ std::vector<int> node_slots(const BrickLattice& lattice, const Cells& cells, con
   for (Eigen::Index e = 0; e < cells.rows(); ++e)
     for (int n = 0; n < 8; ++n)
       if (slots[hexes(e, n)] < 0)
-        slots[hexes(e, n)] =
-            slot_of(lattice, cells.row(e).transpose() - lattice.first_cell + corner(n));
+        slots[hexes(e, n)] = slot_of(lattice, cells.row(e).transpose() - lattice.first_cell + corner(n));
   return slots;
 }
 

@@ -73,6 +73,16 @@ VectorXd dense_term(const Model& model, const HexTerm& term) {
   return g;
 }
 
+MultigridSystem system_at_rest(const Model& model, const std::vector<HexTerm>& terms) {
+  const StepOptions options;
+  const State state = rest_state(model);
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const StepProblem problem = begin_step(model, options, geometry, state);
+  MultigridSystem system = make_multigrid_system(model);
+  set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  return system;
+}
+
 struct Solved : LinearSolution, SaddlePointReport {};
 
 Solved solve_on(const Model& model, const SaddlePointOptions& options, MultigridSystem& system) {
@@ -145,12 +155,7 @@ int bar_iterations(int finer, double tolerance, bool may_factor) {
     for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
     terms.push_back(term);
   }
-  StepOptions options;
-  const State state = rest_state(model);
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const StepProblem problem = begin_step(model, options, geometry, state);
-  MultigridSystem system = make_multigrid_system(model);
-  set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  MultigridSystem system = system_at_rest(model, terms);
   if (!may_factor)
     for (TermLevel& level : system.bodies.front().terms.levels) level.complement.is_factored = false;
   test::Random random(5);
@@ -175,7 +180,7 @@ TEST_CASE("iterations do not stand still where a residual's own direction leads 
 namespace {
 
 // S of the first level's terms, column by column
-MatrixXd dense_complement(BodyGrid& grid) {
+MatrixXd dense_complement(const BodyGrid& grid) {
   const MultigridLevel& level = grid.multigrid.levels.front();
   const HexTerms& terms = grid.terms.levels.front().terms;
   const auto count = Eigen::Index(terms.vectors.size());
@@ -229,12 +234,7 @@ TEST_CASE("strips of terms couple those that share a node, wherever their lines 
       terms.push_back(term);
     }
   REQUIRE(terms.size() > 300);
-  StepOptions options;
-  const State state = rest_state(model);
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const StepProblem problem = begin_step(model, options, geometry, state);
-  MultigridSystem system = make_multigrid_system(model);
-  set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  const MultigridSystem system = system_at_rest(model, terms);
   const StripMatrix& complement = system.bodies.front().terms.levels.front().complement.matrix;
   const VectorXd scale = complement.scale.cast<double>();
   const MatrixXd scaled = scale.asDiagonal() * dense_complement(system.bodies.front()) * scale.asDiagonal();
