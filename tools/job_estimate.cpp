@@ -19,11 +19,11 @@ namespace {
 // Measured on two cores (AMD EPYC), `umax simulate` of figure and beam, peak of the whole process:
 //   direct      2,996 hexes 234 MB (380 MB with 54 contacts), 10,000 451 MB, 27,000 (a cube) 1,047 MB, 30,001
 //               1,346 MB, 97,336 (a cube) 5,065 MB, 99,666 (a bar) 3,430 MB
-//   multigrid   100,003 hexes 618 MB, 1,000,053 3,037 MB (31,000 of them at their limits)
+//   multigrid   100,003 hexes 669 MB (27,900 of them at their limits), 1,000,053 3,580 MB (259,000)
 constexpr double program_bytes = 100e6;           // with no body
 constexpr double bytes_per_vertex = 700;          // the figure with 365 hexes and 116,000 of them: 183 MB
 constexpr double bytes_per_hex = 2700;            // cage, model, limits
-constexpr double multigrid_bytes_per_hex = 600;   // its levels and directions
+constexpr double multigrid_bytes_per_hex = 1200;  // its levels and directions, limits at work
 constexpr double bytes_per_irregular_hex = 12e3;  // its matrices
 constexpr double factor_bytes = 950;              // of the direct solver, times nodes^(4/3)
 
