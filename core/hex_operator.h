@@ -4,6 +4,8 @@
 // Deterministic: the same bits for any number of threads; another instruction set gives another rounding.
 #pragma once
 
+#include <array>
+
 #include "core/aligned_array.h"
 #include "core/brick_lattice.h"
 #include "core/hadamard_hex.h"
@@ -71,6 +73,23 @@ void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, V
 
 /// The block D^-1 of the node in a slot, from 6 numbers per node.
 Matrix3d inverse_block(const AlignedArray<float>& inverse, int slot);
+
+/// Values of a hex's nodes, 3 each, from bricks; nodes: slots.
+inline Eigen::Matrix<float, 24, 1> gather_nodes(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
+  Eigen::Matrix<float, 24, 1> local;
+  for (int n = 0; n < 8; ++n)
+    for (int c = 0; c < 3; ++c)
+      local[3 * n + c] = x[slot_offset(nodes[n], vector_components) + std::size_t(c) * brick_lanes];
+  return local;
+}
+
+/// x += local, at a hex's nodes.
+inline void add_at_nodes(const std::array<int, 8>& nodes, const Eigen::Matrix<float, 24, 1>& local,
+                         AlignedArray<float>& x) {
+  for (int n = 0; n < 8; ++n)
+    for (int c = 0; c < 3; ++c)
+      x[slot_offset(nodes[n], vector_components) + std::size_t(c) * brick_lanes] += local[3 * n + c];
+}
 
 /// a . b of node vectors, summed in double and in a fixed order.
 template <class T>

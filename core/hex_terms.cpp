@@ -7,14 +7,6 @@ namespace {
 
 constexpr Eigen::Index grain = 64;  // hexes per task
 
-HexTerms::Vector24f gather(const HexTerms::Hex& hex, const AlignedArray<float>& x) {
-  HexTerms::Vector24f local;
-  for (int n = 0; n < 8; ++n)
-    for (int c = 0; c < 3; ++c)
-      local[3 * n + c] = x[slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes];
-  return local;
-}
-
 }  // namespace
 
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
@@ -59,7 +51,7 @@ void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& produ
     for (Eigen::Index h = begin; h < end; ++h) {
       const HexTerms::Hex& hex = terms.hexes[h];
       using Scalar = typename Vector::Scalar;  // that sums are in, too
-      const auto local = gather(hex, x).cast<Scalar>().eval();
+      const auto local = gather_nodes(hex.nodes, x).cast<Scalar>().eval();
       for (int t = hex.first; t < hex.end; ++t) products[t] = terms.vectors[t].cast<Scalar>().dot(local);
     }
   });
@@ -70,7 +62,7 @@ void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x) {
   for_each_apart(terms, [&](const HexTerms::Hex& hex) {
     HexTerms::Vector24f sum = float(factors[hex.first]) * terms.vectors[hex.first];
     for (int t = hex.first + 1; t < hex.end; ++t) sum += float(factors[t]) * terms.vectors[t];
-    add_at_nodes(hex, sum, x);
+    add_at_nodes(hex.nodes, sum, x);
   });
 }
 

@@ -54,13 +54,6 @@ void for_each_apart(const HexTerms& terms, const Body& body) {
   }
 }
 
-/// x += local, 3 numbers for each of the hex's nodes.
-inline void add_at_nodes(const HexTerms::Hex& hex, const HexTerms::Vector24f& local, AlignedArray<float>& x) {
-  for (int n = 0; n < 8; ++n)
-    for (int c = 0; c < 3; ++c)
-      x[slot_offset(hex.nodes[n], vector_components) + std::size_t(c) * brick_lanes] += local[3 * n + c];
-}
-
 /// products = G^T x.
 template <class Vector>
 void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& products);

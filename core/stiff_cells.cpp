@@ -169,16 +169,6 @@ void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, con
   rows = A.cast<float>();
 }
 
-StiffCells::Vector24f gather(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
-  StiffCells::Vector24f local;
-  for (int i = 0; i < 24; ++i) local[i] = x[slot_offset(nodes[i / 3], vector_components) + i % 3 * brick_lanes];
-  return local;
-}
-
-void scatter(const StiffCells::Vector24f& local, const std::array<int, 8>& nodes, AlignedArray<float>& x) {
-  for (int i = 0; i < 24; ++i) x[slot_offset(nodes[i / 3], vector_components) + i % 3 * brick_lanes] += local[i];
-}
-
 // the rows of A x that belong to a hex's nodes
 StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const AlignedArray<float>& x) {
   Eigen::Matrix<float, 192, 1> around = Eigen::Matrix<float, 192, 1>::Zero();
@@ -215,17 +205,18 @@ StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matri
 void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, AlignedArray<float>& z) {
   std::vector<StiffCells::Vector24f> corrections(cells.nodes.size());
   parallel_blocks(Eigen::Index(cells.nodes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) corrections[e].noalias() = cells.inverses[e] * gather(cells.nodes[e], r);
+    for (Eigen::Index e = begin; e < end; ++e)
+      corrections[e].noalias() = cells.inverses[e] * gather_nodes(cells.nodes[e], r);
   });
   // one after the other: neighbours may share nodes
-  for (std::size_t e = 0; e < corrections.size(); ++e) scatter(corrections[e], cells.nodes[e], z);
+  for (std::size_t e = 0; e < corrections.size(); ++e) add_at_nodes(cells.nodes[e], corrections[e], z);
 }
 
 std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const AlignedArray<float>& r,
                                                   AlignedArray<float>& rest) {
   std::vector<StiffCells::Vector24f> before;
   for (std::size_t e = 0; e < cells.nodes.size(); ++e) {
-    before.emplace_back(cells.inverses[e] * gather(cells.nodes[e], r));
+    before.emplace_back(cells.inverses[e] * gather_nodes(cells.nodes[e], r));
     const Eigen::Matrix<float, 192, 1> force = cells.rows[e].transpose() * before[e];
     for (int m = 0; m < 64; ++m)
       if (const int slot = cells.reached[e][m]; slot >= 0)
@@ -243,15 +234,15 @@ double correct_after(const StiffCells& cells, const AlignedArray<float>& r,
     return a.cast<double>().dot(b.cast<double>());
   };
   for (std::size_t e = 0; e < count; ++e) {  // (r - rest) . z = A L r . z, and r . L r
-    local[e] = gather(cells.nodes[e], r);
+    local[e] = gather_nodes(cells.nodes[e], r);
     gain += gain_by(before[e], multiply(cells, e, z)) + gain_by(before[e], local[e]);
   }
-  for (std::size_t e = 0; e < count; ++e) scatter(before[e], cells.nodes[e], z);
+  for (std::size_t e = 0; e < count; ++e) add_at_nodes(cells.nodes[e], before[e], z);
   for (std::size_t e = 0; e < count; ++e) {
     after[e] = cells.inverses[e] * (local[e] - multiply(cells, e, z));
     gain += gain_by(after[e], local[e]);
   }
-  for (std::size_t e = 0; e < count; ++e) scatter(after[e], cells.nodes[e], z);
+  for (std::size_t e = 0; e < count; ++e) add_at_nodes(cells.nodes[e], after[e], z);
   return gain;
 }
 

@@ -231,8 +231,9 @@ Strips strips_of(const StripMatrix& matrix) {
           matrix.places.data(), matrix.entries.data(), 1 / entry_scale};
 }
 
-std::vector<MatrixEntry> lower_entries(const HexTerms& terms, const TermLines& lines, const StripMatrix& matrix) {
-  std::vector<MatrixEntry> lower;
+std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const TermLines& lines,
+                                                  const StripMatrix& matrix) {
+  std::vector<Eigen::Triplet<double>> lower;
   LineEntries entries;
   for (int line = 0; line < lines.count(); ++line) {
     number_entries(terms, lines, line, matrix.starts[lines.first_strips[line]], entries);
@@ -241,7 +242,7 @@ std::vector<MatrixEntry> lower_entries(const HexTerms& terms, const TermLines& l
       for (int t = own.first; t < own.end; ++t)
         for (int u = near.first; u < std::min(t, near.end); ++u) {
           const int number = entries.at(t - own.first, d, u - near.first);
-          lower.push_back({t, u, matrix.entries[std::size_t(number) * brick_lanes + lane] / double(entry_scale)});
+          lower.emplace_back(t, u, matrix.entries[std::size_t(number) * brick_lanes + lane] / double(entry_scale));
         }
     });
   }

@@ -5,6 +5,7 @@
 // strip have their entries at the same places of 16 consecutive lanes: one index for 16 of them.
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -51,12 +52,9 @@ StripMatrix make_strip_matrix(const HexTerms& terms, const TermLines& lines,
 /// As the kernels see it.
 Strips strips_of(const StripMatrix& matrix);
 
-/// Entry (t, u) of the scaled matrix, t > u.
-struct MatrixEntry {
-  int row = 0, column = 0;
-  double value = 0;
-};
-std::vector<MatrixEntry> lower_entries(const HexTerms& terms, const TermLines& lines, const StripMatrix& matrix);
+/// Entries (t, u) of the scaled matrix, t > u.
+std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const TermLines& lines,
+                                                  const StripMatrix& matrix);
 
 /// x ~ A^-1 b by steps of Chebyshev's iteration, which reduce the error at eigenvalues of the scaled matrix from the
 /// largest one down to that over `interval`.

@@ -53,11 +53,9 @@ std::vector<int> elimination_order(const HexTerms& terms) {
 
 // of the scaled matrix
 bool factorize(const HexTerms& terms, const TermLines& lines, const StripMatrix& matrix, SupernodalFactor& factor) {
-  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Eigen::Triplet<double>> entries = lower_entries(terms, lines, matrix);
   const Eigen::Index count = matrix.scale.size();
   for (Eigen::Index t = 0; t < count; ++t) entries.emplace_back(t, t, 1.0);
-  for (const MatrixEntry& entry : lower_entries(terms, lines, matrix))
-    entries.emplace_back(entry.row, entry.column, entry.value);
   Eigen::SparseMatrix<double> lower(count, count);
   lower.setFromTriplets(entries.begin(), entries.end());
   return factorize(lower, elimination_order(terms), factor);

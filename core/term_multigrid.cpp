@@ -129,8 +129,8 @@ void push_back(const TermLevel& level, const VectorXf& dy, AlignedArray<float>& 
       of_x -= dy[t] * level.complement.responses[t];
       of_v -= dy[t] * level.terms.vectors[t];
     }
-    add_at_nodes(hex, of_x, x);
-    add_at_nodes(hex, of_v, v);
+    add_at_nodes(hex.nodes, of_x, x);
+    add_at_nodes(hex.nodes, of_v, v);
   });
 }
 
