@@ -9,15 +9,15 @@
 
 #include "embedding/shapes.h"
 #include "embedding/voxelize.h"
+#include "tests/support/temporary_folder.h"
 
 namespace umax::testing {
 
 /// Writes a file into the tests' output folder and returns its path.
 inline std::filesystem::path write_file(const std::string& name, const std::string& content) {
-  const std::filesystem::path folder = std::filesystem::path(UMAX_TEST_OUTPUT) / "embedding";
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / name, std::ios::binary) << content;
-  return folder / name;
+  const std::filesystem::path path = output_folder() / name;
+  std::ofstream(path, std::ios::binary) << content;
+  return path;
 }
 
 /// Both meshes in one.

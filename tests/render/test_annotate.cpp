@@ -9,6 +9,7 @@
 #include "render/srgb.h"
 #include "render/write_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/value_colors.h"
 
 using namespace umax;
@@ -141,8 +142,7 @@ TEST_CASE("a contact sheet holds its pictures unchanged") {
 }
 
 TEST_CASE("the comparison page holds three pictures, the numbers and the command") {
-  const auto folder = std::filesystem::path(UMAX_TEST_OUTPUT) / "annotate";
-  std::filesystem::create_directories(folder);
+  const auto& folder = output_folder();
   const Image8 a = plain(32, 18, 100), b = plain(32, 18, 140);
   write_compare_report(folder / "page.html", {"frame <1>", a, b, flip(a, b), "too different", "cp 'x' 'y'"});
   const std::string page = read_file(folder / "page.html");

@@ -5,6 +5,7 @@
 #include "render/rasterize.h"
 #include "render/write_file.h"
 #include "tests/support/golden.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
 
 using namespace umax;
@@ -18,17 +19,14 @@ Image8 plain(int width, int height, std::uint8_t code) {
   return image;
 }
 
-std::filesystem::path scratch_folder() {
-  return std::filesystem::path(UMAX_TEST_OUTPUT) / "golden_scratch";
-}
-
 }  // namespace
 
 TEST_CASE("a picture that differs fails in each of the four ways and leaves a page with the command") {
   const GoldenTolerance strict{.fail = 3, .percent = 1, .hard_fail = 48, .mean_flip = 0.01};
   const Image8 reference = plain(40, 40, 100);
+  const std::filesystem::path folder = output_folder() / "pages";
   const auto outcome = [&](const Image8& result) {
-    return compare_with_golden("scratch", reference, result, strict, scratch_folder());
+    return compare_with_golden("scratch", reference, result, strict, folder);
   };
   CHECK(outcome(reference).passed);
   CHECK(outcome(plain(40, 40, 101)).passed == (flip(reference, plain(40, 40, 101)).mean <= 0.01));
@@ -43,12 +41,12 @@ TEST_CASE("a picture that differs fails in each of the four ways and leaves a pa
   one.pixel(20, 20)[0] = 160;
   CHECK_FALSE(outcome(one).passed);
 
-  std::filesystem::remove_all(scratch_folder());
+  std::filesystem::remove_all(folder);
   const GoldenOutcome failed = outcome(plain(40, 40, 200));
   CHECK_FALSE(failed.passed);
   const std::string page = read_file(failed.page);
-  CHECK(page.find("cp '" + (scratch_folder() / "scratch.png").string()) != std::string::npos);
-  CHECK(read_png8(scratch_folder() / "scratch.png").values == plain(40, 40, 200).values);
+  CHECK(page.find("cp '" + (folder / "scratch.png").string()) != std::string::npos);
+  CHECK(read_png8(folder / "scratch.png").values == plain(40, 40, 200).values);
 }
 
 TEST_CASE("rasterised pictures look like their references") {

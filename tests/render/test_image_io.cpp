@@ -13,17 +13,12 @@
 #include "render/srgb.h"
 #include "render/write_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace umax;
 namespace fs = std::filesystem;
 
 namespace {
-
-fs::path output_folder() {
-  const fs::path folder = fs::path(UMAX_TEST_OUTPUT) / "image_io";
-  fs::create_directories(folder);
-  return folder;
-}
 
 Image8 noise_codes(int width, int height, int channels) {
   Image8 image(width, height, channels);

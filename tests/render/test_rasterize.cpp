@@ -11,6 +11,7 @@
 #include "render/rasterize.h"
 #include "render/write_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
 
 using namespace umax;
@@ -51,12 +52,6 @@ double covered(const Image& image) {
   double sum = 0;
   for (std::size_t i = 0; i < image.values.size(); i += 3) sum += double(image.values[i]);
   return sum / double(image.values.size() / 3);
-}
-
-std::filesystem::path output_folder() {
-  const std::filesystem::path folder = std::filesystem::path(UMAX_TEST_OUTPUT) / "rasterize";
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 Rasterizer& shared_rasterizer() {

@@ -10,6 +10,7 @@
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
+#include "tests/support/temporary_folder.h"
 
 namespace umax::test {
 
@@ -25,7 +26,7 @@ inline Failure failure_of_text(const std::string& text, const std::vector<std::s
 
 /// A file in the test's own folder, with its parents.
 inline std::filesystem::path write_file(const std::string& name, const std::string& content) {
-  const std::filesystem::path path = std::filesystem::path(UMAX_TEST_OUTPUT) / "scenes" / name;
+  const std::filesystem::path path = output_folder() / name;
   std::filesystem::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary) << content;
   return path;

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "tests/support/catch.h"
-#include "tests/tools/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace umax;
 namespace fs = std::filesystem;

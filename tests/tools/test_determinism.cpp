@@ -6,8 +6,8 @@
 #include "scenes/scene_file.h"
 #include "scenes/sha256.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/tools/hex_bar.h"
-#include "tests/tools/temporary_folder.h"
 #include "tools/simulation_setup.h"
 #include "tools/threads.h"
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "tests/support/catch.h"
-#include "tests/tools/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/progress.h"
 
 using namespace umax;

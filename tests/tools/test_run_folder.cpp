@@ -1,8 +1,8 @@
 #include <sys/stat.h>
 
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tests/tools/temporary_folder.h"
 #include "tools/run_folder.h"
 #include "tools/run_record.h"
 #include "tools/step_plots.h"

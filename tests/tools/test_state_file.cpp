@@ -2,8 +2,8 @@
 #include <limits>
 
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tests/tools/temporary_folder.h"
 #include "tools/state_file.h"
 
 using namespace umax;

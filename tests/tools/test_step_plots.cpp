@@ -5,8 +5,8 @@
 
 #include "scenes/scene.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/tools/svg_paths.h"
-#include "tests/tools/temporary_folder.h"
 #include "tools/run_folder.h"
 #include "tools/steps_csv.h"
 

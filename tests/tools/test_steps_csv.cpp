@@ -3,8 +3,8 @@
 #include <csignal>
 
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tests/tools/temporary_folder.h"
 #include "tools/steps_csv.h"
 
 using namespace umax;

@@ -15,7 +15,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     static int count = 0;
     path_ = std::filesystem::path(UMAX_TEST_OUTPUT) /
-            ("tools-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
+            ("test-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -32,6 +32,12 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// The folder of this process, as which each test runs by itself: tests that run side by side never share a file.
+inline const std::filesystem::path& output_folder() {
+  static const TemporaryFolder folder;
+  return folder.path();
+}
 
 inline std::string file_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
