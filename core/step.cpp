@@ -96,13 +96,14 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
   require_solvable(model, options.solver);
-  const double time_t1 = state.time + options.time_step;
-  StepReport report = advance(model, options, workspace.data(), state, options.solver.max_halvings);
-  state.time = time_t1;
-  ++state.step;
-  measure_into(model, options, workspace.data().contact_geometry, state, report);
-  state.been_feasible = state.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
-  if (!state.been_feasible) report.status = StepStatus::infeasible;
+  State next = state;
+  StepReport report = advance(model, options, workspace.data(), next, options.solver.max_halvings);
+  next.time = state.time + options.time_step;
+  ++next.step;
+  measure_into(model, options, workspace.data().contact_geometry, next, report);
+  next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
+  if (!next.been_feasible) report.status = StepStatus::infeasible;
+  state = std::move(next);
   return report;
 }
 

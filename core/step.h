@@ -51,7 +51,7 @@ struct StepOptions {
   double time_step = 1.0 / 60;    // [s]
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   SolverOptions solver{};
-  /// Called once an iteration when set (umax simulate --verbose).
+  /// Called once an iteration when set. What it throws ends the step; its state is then as before.
   std::function<void(const IterationReport&)> on_iteration{};
 };
 

@@ -114,13 +114,17 @@ void Progress::frame_done(int frame, const std::string& detail) {
   if (style_ == Style::bar) {
     // more than 20 bars a second only burn time
     if (line_.done < line_.total && seconds_since(last_shown_) < 0.05) return;
-    last_shown_ = std::chrono::steady_clock::now();
-    fmt::print(stream_, "\r\x1b[2K{}", format_bar(line_, terminal_width(stream_) - 1));
-    bar_shown_ = true;
+    show_bar();
   } else {
     fmt::print(stream_, "{}\n", style_ == Style::json ? format_json(line_) : format_plain(line_));
+    std::fflush(stream_);
   }
-  std::fflush(stream_);
+}
+
+void Progress::within_frame(const std::string& detail) {
+  if (style_ != Style::bar || seconds_since(last_shown_) < 0.5) return;
+  line_.detail = detail;
+  show_bar();
 }
 
 void Progress::end() {
@@ -131,6 +135,13 @@ void Progress::end() {
                R"({{"event":"end","stage":{},"done":{},"elapsed_s":{:.3f}}})"
                "\n",
                json_text(line_.stage), line_.done, seconds_since(start_));
+  std::fflush(stream_);
+}
+
+void Progress::show_bar() {
+  last_shown_ = std::chrono::steady_clock::now();
+  fmt::print(stream_, "\r\x1b[2K{}", format_bar(line_, terminal_width(stream_) - 1));
+  bar_shown_ = true;
   std::fflush(stream_);
 }
 

@@ -39,6 +39,8 @@ class Progress {
   /// Starts a stage of `total` frames, of which `done` were there before.
   void begin(const std::string& stage, int total, int done = 0);
   void frame_done(int frame, const std::string& detail = {});
+  /// Shows on a terminal how far the next frame is, now and then.
+  void within_frame(const std::string& detail);
   void end();
 
   /// A line of information on the stream (nothing with --quiet).
@@ -48,6 +50,7 @@ class Progress {
 
  private:
   enum class Style { none, bar, plain, json };
+  void show_bar();
   void clear_bar();
 
   std::FILE* stream_;

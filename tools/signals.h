@@ -1,4 +1,4 @@
-// Ctrl-C and termination: noticed, so that the step in hand can be finished and what is complete kept.
+// Ctrl-C and termination: noticed, so that what is complete can be kept.
 #pragma once
 
 #include <atomic>

@@ -94,17 +94,39 @@ std::string describe(const StepReport& report) {
   return text;
 }
 
+/// Thrown in the middle of a step.
+struct Interrupted {};
+
 StepOptions step_options(const Simulation& simulation, bool verbose, Progress& progress) {
   StepOptions options = simulation.options;
-  if (verbose)
-    options.on_iteration = [&progress](const IterationReport& at) {
+  options.on_iteration = [&progress, verbose](const IterationReport& at) {
+    if (stop_signal() != 0) throw Interrupted{};
+    progress.within_frame(fmt::format("iteration {}, kkt_residual {:.1e}", at.iteration, at.kkt_residual));
+    if (verbose)
       progress.note(fmt::format(
           "  iteration {}: max_energy_ratio {:.6g}, max_penetration {:.2e} m, largest move {:.2e} cells, kkt_residual "
           "{:.2e}, {} limits, {} contacts",
           at.iteration, at.max_energy_ratio, at.max_penetration, at.largest_move, at.kkt_residual, at.limits_active,
           at.contacts));
-    };
+  };
   return options;
+}
+
+/// The steps to a frame; none if a signal has come before its end.
+std::vector<StepRow> steps_to_frame(const Simulation& simulation, const StepOptions& options, bool strict, int frame,
+                                    Workspace& workspace, State& state) {
+  std::vector<StepRow> rows;
+  try {
+    for (int i = 0; i < simulation.scene.clip.substeps; ++i) {
+      if (stop_signal() != 0) return {};
+      rows.push_back(timed_step(simulation, options, frame, workspace, state));
+      require_finite(state, rows.back());
+      if (strict && rows.back().report.status != StepStatus::converged) refuse_unconverged(rows.back());
+    }
+  } catch (const Interrupted&) {
+    return {};
+  }
+  return rows;
 }
 
 void warn_of_unconverged(const SimulateResult& result, long long before, Progress& progress) {
@@ -141,14 +163,11 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
   Workspace workspace(simulation.model);
   const StepOptions stepping = step_options(simulation, options.verbose, progress);
   for (int frame = result.frames + 1; frame <= options.last_frame; ++frame) {
-    std::vector<StepRow> rows;
-    for (int i = 0; i < simulation.scene.clip.substeps; ++i) {
-      if ((result.signal = stop_signal()) != 0) break;
-      rows.push_back(timed_step(simulation, stepping, frame, workspace, state));
-      require_finite(state, rows.back());
-      if (options.strict && rows.back().report.status != StepStatus::converged) refuse_unconverged(rows.back());
+    const std::vector<StepRow> rows = steps_to_frame(simulation, stepping, options.strict, frame, workspace, state);
+    if (rows.empty()) {
+      result.signal = stop_signal();
+      break;
     }
-    if (result.signal != 0) break;
 
     // rows first: a state without its rows would not be found again
     steps.append(rows);

@@ -118,6 +118,34 @@ TEST_CASE("a step that cannot converge in its iterations is halved, reported, an
   CHECK(state.time == Approx(20 * 0.05).epsilon(1e-12));
 }
 
+TEST_CASE("what is thrown in the middle of a step leaves its state as it was") {
+  Body beam = test::make_beam();
+  test::limit_energy(beam, 0.01);
+  const Model model = make_model({beam}, {});
+  StepOptions options = exact_options();
+  options.time_step = 0.05;
+  options.solver.max_newton_iterations = 3;  // halved: states come in between
+  options.solver.max_augmented_iterations = 0;
+  State state = rest_state(model), solved = state;
+  Workspace workspace(model), interrupted(model);
+  for (int i = 0; i < 10; ++i) {
+    int iterations = 0;
+    options.on_iteration = [&](const IterationReport&) { ++iterations; };
+    step(model, options, workspace, solved);
+    const State before = state;
+    options.on_iteration = [&](const IterationReport&) {
+      if (--iterations == 0) throw i;  // the last one
+    };
+    CHECK_THROWS_AS(step(model, options, interrupted, state), int);
+    CHECK(state.positions == before.positions);
+    CHECK(state.velocities == before.velocities);
+    CHECK(state.time == before.time);
+    options.on_iteration = {};
+    step(model, options, interrupted, state);
+    CHECK(state.positions == solved.positions);
+  }
+}
+
 TEST_CASE("limits that an impact loads and unloads are found in few iterations") {
   Body block = test::make_block({6, 6, 6}, {0, 0.05, 0}, 0.05);
   block.material.young = Track<double>(100e3);

@@ -88,6 +88,20 @@ TEST_CASE("a run that is asked to stop keeps what is complete and says which sig
   CHECK(!has_half_written_files(run));
 }
 
+TEST_CASE("a run that is asked to stop does so in the middle of a step") {
+  const TemporaryFolder folder;
+  const std::string scene = write_scene(folder, block_scene()).string(), log = (folder / "log").string();
+  const Words endless{"--set", "body.block.limit.stretch=\"0.001 %\"", "--set", "solver.tolerance=1e-12",
+                      "--set", "solver.max_newton_iterations=1000000"};  // whose step is never solved
+  const std::string stop_in_a_step = "timeout --foreground -s KILL 60 \"$@\" > " + log +
+                                     " 2>&1 & while kill -0 $! && ! grep -q 'iteration 99:' " + log +
+                                     "; do sleep 0.02; done; kill -TERM $!; wait $!";
+  const Words simulate{UMAX_PROGRAM, "simulate", scene, "-o", (folder / "run").string(), "--verbose"};
+  CHECK(run_process(Words{"bash", "-c", stop_in_a_step, "bash"} + simulate + endless).exit_code == 128 + 15);
+  CHECK(file_text(folder / "run/run.json").find("\"exit_status\": 143") != std::string::npos);
+  CHECK(!has_half_written_files(folder / "run"));
+}
+
 TEST_CASE("the scene as resolved gives the same run") {
   const TemporaryFolder folder;
   const fs::path whole = simulate_whole(folder, write_scene(folder, block_scene()));
