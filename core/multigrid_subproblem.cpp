@@ -130,7 +130,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
       accuracy_at(report.kkt_residual, iterate.kkt_fall, !iterate.contacts.empty(), problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
-  begin(model, push_of(model, iterate.contacts, solution.forces) - grad, true, system);
+  begin(model, push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force), system);
   solution.error = improve({.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : coarsest_fall},
                            system, report);
   NewtonStep newton;

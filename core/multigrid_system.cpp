@@ -147,21 +147,19 @@ void set_up(const StepProblem& problem, const Points& positions, const VectorXd&
   set_terms(*problem.model, terms, system);
 }
 
-void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system) {
-  VectorXd rest = b;
-  if (with_offsets) rest += system.offset_force;
+void begin(const Model& model, const VectorXd& b, MultigridSystem& system) {
   for (std::size_t i = 0; i < system.bodies.size(); ++i) {
     BodyGrid& grid = system.bodies[i];
     const VectorXd& offsets = finest_terms(grid).offsets;
     VectorXd c = VectorXd::Zero(offsets.size());
-    grid.unit = largest_value(model.bodies[i], rest);
-    if (with_offsets && !offsets.isZero(0)) {
+    grid.unit = largest_value(model.bodies[i], b);
+    if (!offsets.isZero(0)) {
       if (grid.unit == 0) grid.unit = 1;
       c = -offsets / grid.unit;
     }
     begin(c, grid.point);
   }
-  add_force(model, rest, system);
+  add_force(model, b, system);
 }
 
 void add_force(const Model& model, const VectorXd& force, MultigridSystem& system) {

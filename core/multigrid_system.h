@@ -40,9 +40,8 @@ MultigridSystem make_multigrid_system(const Model& model);
 void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
             const std::vector<HexTerm>& terms, MultigridSystem& system);
 
-/// Begins to solve (A + sum g g^T) x = b from x = 0, for b of 3 #N, zero at fixed nodes. with_offsets: b holds the
-/// terms' forces -g offset, which may be too large to leave them to rounding.
-void begin(const Model& model, const VectorXd& b, bool with_offsets, MultigridSystem& system);
+/// Begins to solve A x + sum g (g . x + offset) = b from x = 0, for b of 3 #N, zero at fixed nodes.
+void begin(const Model& model, const VectorXd& b, MultigridSystem& system);
 
 /// b += force.
 void add_force(const Model& model, const VectorXd& force, MultigridSystem& system);

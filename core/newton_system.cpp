@@ -156,7 +156,7 @@ VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const 
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   if (uses_multigrid(*problem.model, problem.options->solver)) {
     set_up_multigrid(problem, at, iterate, workspace);
-    begin(*problem.model, -slope, true, *workspace.multigrid);
+    begin(*problem.model, workspace.multigrid->offset_force - slope, *workspace.multigrid);
     report.linear_iterations += improve({.tolerance = accuracy}, *workspace.multigrid).iterations;
     return solution_of(*problem.model, *workspace.multigrid).x;
   }

@@ -24,7 +24,6 @@ std::vector<HexTerm> random_terms(const Model& model, double least, double most)
     term.hex = hex;
     const double size = std::sqrt(least * std::pow(most / least, double(hex) / double(model.num_hexes())));
     for (int i = 0; i < 24; ++i) term.vector[i] = size * random.uniform(-1, 1);
-    term.offset = random.uniform(-1, 1);
     terms.push_back(term);
   }
   return terms;
@@ -53,9 +52,9 @@ Solved solve_on(const Model& model, const SaddlePointOptions& options, Multigrid
   return {solution_of(model, system), report};
 }
 
-Solved solve_from_rest(const Model& model, const VectorXd& b, bool with_offsets, const SaddlePointOptions& options,
+Solved solve_from_rest(const Model& model, const VectorXd& b, const SaddlePointOptions& options,
                        MultigridSystem& system) {
-  begin(model, b, with_offsets, system);
+  begin(model, b, system);
   return solve_on(model, options, system);
 }
 
@@ -73,7 +72,7 @@ TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than t
   test::Random random(3);
   VectorXd b(A.rows());
   for (double& value : b) value = random.uniform(-1, 1);
-  const Solved solution = solve_from_rest(model, b, false, {.tolerance = 1e-7}, resting.system);
+  const Solved solution = solve_from_rest(model, b, {.tolerance = 1e-7}, resting.system);
   const VectorXd expected = A.ldlt().solve(b);
   CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
   CHECK(solution.iterations <= (stiffer > 0 ? 130 : 60));
@@ -91,9 +90,9 @@ TEST_CASE("forces that are added to a system are solved for with what solves bef
   VectorXd b(3 * model.num_nodes()), added(b.size());
   for (double& value : b) value = random.uniform(-1, 1);
   for (double& value : added) value = random.uniform(-1, 1);
-  const VectorXd expected = solve_from_rest(model, b + added, false, {.tolerance = 1e-6}, resting.system).x;
+  const VectorXd expected = solve_from_rest(model, b + added, {.tolerance = 1e-6}, resting.system).x;
 
-  const Solved loose = solve_from_rest(model, b, false, {.tolerance = 0.3}, resting.system);
+  const Solved loose = solve_from_rest(model, b, {.tolerance = 0.3}, resting.system);
   CHECK(loose.error <= 0.3);
   add_force(model, added, resting.system);
   const Solved fallen = solve_on(model, {.tolerance = 1e-6, .reduction = 0.1}, resting.system);
@@ -124,7 +123,7 @@ int bar_iterations(int finer, double tolerance, bool may_factor) {
   test::Random random(5);
   VectorXd b(3 * model.num_nodes());
   for (double& value : b) value = random.uniform(-1, 1);
-  return solve_from_rest(model, b, false, {.tolerance = tolerance}, system).iterations;
+  return solve_from_rest(model, b, {.tolerance = tolerance}, system).iterations;
 }
 
 }  // namespace
@@ -239,9 +238,9 @@ TEST_CASE("terms that are too many for a factor are solved for as those that hav
   Resting resting(random_terms(Resting().model, 1e4, 1e6));
   const VectorXd b = VectorXd::LinSpaced(3 * resting.model.num_nodes(), -1, 2);
   const SaddlePointOptions options{.tolerance = 1e-7};
-  const Solved factored = solve_from_rest(resting.model, b, false, options, resting.system);
+  const Solved factored = solve_from_rest(resting.model, b, options, resting.system);
   for (TermLevel& level : resting.system.bodies.front().terms.levels) level.complement.is_factored = false;
-  const Solved unfactored = solve_from_rest(resting.model, b, false, options, resting.system);
+  const Solved unfactored = solve_from_rest(resting.model, b, options, resting.system);
   CAPTURE(factored.iterations, unfactored.iterations);
   CHECK((unfactored.x - factored.x).norm() <= 1e-4 * factored.x.norm());
   CHECK(unfactored.iterations <= 60);
@@ -270,15 +269,20 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   CHECK(coarse.own.sum() == float(fine.terms.vectors.size()));
 }
 
-TEST_CASE("a stiff term's force may stand in the right-hand side or be taken out of it") {
+TEST_CASE("terms hold what they measure at their offsets") {
   const Model model = Resting().model;
-  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
-  Resting resting(terms);
-  VectorXd b = VectorXd::Ones(3 * model.num_nodes());
-  for (const HexTerm& term : terms) b -= term.offset * dense_term(model, term);
+  std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
+  Resting without(terms);
+  test::Random random(11);
+  VectorXd b = VectorXd::Ones(3 * model.num_nodes()), with_forces = b;
+  for (HexTerm& term : terms) {
+    term.offset = random.uniform(-1, 1);
+    with_forces -= term.offset * dense_term(model, term);
+  }
+  Resting with(terms);
   const SaddlePointOptions options{.tolerance = 1e-7};
-  const Solved within = solve_from_rest(model, b, false, options, resting.system);
-  const Solved taken_out = solve_from_rest(model, b, true, options, resting.system);
-  CHECK((within.x - taken_out.x).norm() <= 1e-4 * within.x.norm());
-  CHECK((within.products - taken_out.products).norm() <= 1e-4 * within.products.norm());
+  const Solved held = solve_from_rest(model, b, options, with.system);
+  const Solved pushed = solve_from_rest(model, with_forces, options, without.system);
+  CHECK((held.x - pushed.x).norm() <= 1e-4 * pushed.x.norm());
+  CHECK((held.products - pushed.products).norm() <= 1e-4 * pushed.products.norm());
 }
