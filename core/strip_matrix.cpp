@@ -25,15 +25,17 @@ SharedCorners shared_corners() {
   return shared;
 }
 
-constexpr int place_bits = 21;  // of each coordinate
-constexpr std::uint64_t place_step[] = {std::uint64_t(1) << 2 * place_bits, std::uint64_t(1) << place_bits};
+using Place = TermLines::Place;
 
-std::uint64_t place_of(const Vector3i& cell) {
-  return std::uint64_t(cell[0] + 1) * place_step[0] + std::uint64_t(cell[1] + 1) * place_step[1] +
-         std::uint64_t(cell[2] / brick_lanes + 1);
+Place place_of(const Vector3i& cell) {
+  return {cell[0], cell[1], cell[2] / brick_lanes};
 }
 
-int line_at(const TermLines& lines, std::uint64_t place) {
+Place beside(const Place& place, int dx, int dy, int dz) {
+  return {place[0] + dx, place[1] + dy, place[2] + dz};
+}
+
+int line_at(const TermLines& lines, const Place& place) {
   const auto found = std::lower_bound(lines.places.begin(), lines.places.end(), place);
   return found != lines.places.end() && *found == place ? int(found - lines.places.begin()) : -1;
 }
@@ -170,15 +172,15 @@ void sweep(StripMatrix& matrix, int from, float momentum, float gain) {
 }  // namespace
 
 TermLines lines_of(const HexTerms& terms) {
-  std::vector<std::pair<std::uint64_t, int>> wanted;  // places and layers
+  std::vector<std::pair<Place, int>> wanted;  // places and layers
   int most_layers = 1;
   for (const HexTerms::Hex& hex : terms.hexes) {
-    const std::uint64_t place = place_of(hex.cell);
+    const Place place = place_of(hex.cell);
     const int lane = hex.cell[2] % brick_lanes, layers = hex.end - hex.first;
     most_layers = std::max(most_layers, layers);
     wanted.emplace_back(place, layers);
-    if (lane == 0) wanted.emplace_back(place - 1, layers);
-    if (lane == brick_lanes - 1) wanted.emplace_back(place + 1, layers);
+    if (lane == 0) wanted.emplace_back(beside(place, 0, 0, -1), layers);
+    if (lane == brick_lanes - 1) wanted.emplace_back(beside(place, 0, 0, 1), layers);
   }
   std::sort(wanted.begin(), wanted.end());
   TermLines lines;
@@ -193,9 +195,7 @@ TermLines lines_of(const HexTerms& terms) {
   parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (int line = int(begin); line < int(end); ++line)
       for (int d = 0; d < 9; ++d)
-        lines.beside[line][d] =
-            line_at(lines, lines.places[line] + std::uint64_t(d / 3) * place_step[0] +
-                               std::uint64_t(d % 3) * place_step[1] - place_step[0] - place_step[1]);
+        lines.beside[line][d] = line_at(lines, beside(lines.places[line], d / 3 - 1, d % 3 - 1, 0));
   });
   lines.hexes.assign(lines.places.size() * brick_lanes, -1);
   for (std::size_t h = 0; h < terms.hexes.size(); ++h)

@@ -21,7 +21,8 @@ inline constexpr int own_place = num_near / 2;
 
 /// Lines of 16 cells along z with terms, and those beyond the ends of one that has terms there.
 struct TermLines {
-  std::vector<std::uint64_t> places;       // ascending; the line above follows
+  using Place = std::array<int, 3>;        // z in lines
+  std::vector<Place> places;               // ascending; the line above follows
   std::vector<int> first_strips;           // and the end
   std::vector<std::array<int, 9>> beside;  // lines at the same z: 3 (dx + 1) + dy + 1; -1: none
   std::vector<int> hexes;                  // of each lane, -1: none with terms
@@ -29,7 +30,9 @@ struct TermLines {
 
   int count() const { return int(places.size()); }
   int layers(int line) const { return first_strips[line + 1] - first_strips[line]; }
-  bool continues(int line) const { return line + 1 < count() && places[line + 1] == places[line] + 1; }
+  bool continues(int line) const {
+    return line + 1 < count() && places[line + 1] == Place{places[line][0], places[line][1], places[line][2] + 1};
+  }
 };
 TermLines lines_of(const HexTerms& terms);
 

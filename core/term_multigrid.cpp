@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "core/multigrid_cycle.h"
@@ -15,8 +14,6 @@ constexpr double damping = 1.9;         // w lambda, lambda the largest eigenval
 constexpr int smoothings = 2;           // before the coarser level, and after it: one does not converge
 constexpr int coarsest_smoothings = 8;  // where the last level is not factored
 constexpr Eigen::Index most_dense_terms = 1000;  // on the last level, for it to be factored
-
-constexpr int coordinate_bits = 20;  // of cells, where they are sorted
 
 using Vector24f = HexTerms::Vector24f;
 
@@ -34,12 +31,10 @@ std::array<Weights, 8> restriction_weights(const Vector3i& factor) {
 TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid, TermLevel& fine) {
   const std::vector<HexTerms::Hex>& hexes = fine.terms.hexes;
   const auto parent = [&](int h) -> Vector3i { return hexes[h].cell.cwiseQuotient(fine_grid.factor); };
-  std::vector<std::pair<std::uint64_t, int>> order;  // parents, by colour, and hexes
+  std::vector<std::pair<std::array<int, 4>, int>> order;  // colours and places of parents, and hexes
   for (int h = 0; h < int(hexes.size()); ++h) {
     const Vector3i cell = parent(h);
-    std::uint64_t key = std::uint64_t(colour_of(cell));
-    for (int axis = 0; axis < 3; ++axis) key = key << coordinate_bits | std::uint64_t(cell[axis]);
-    order.emplace_back(key, h);
+    order.push_back({{colour_of(cell), cell[0], cell[1], cell[2]}, h});
   }
   std::sort(order.begin(), order.end());
 

@@ -269,6 +269,61 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   CHECK(coarse.own.sum() == float(fine.terms.vectors.size()));
 }
 
+namespace {
+
+// How blocks of 8 x 8 x 8 hexes at these places move, each under the same forces and with all strains along z held:
+// a column for each, its nodes in the same order.
+struct BlockMotions {
+  MatrixXd columns;
+  int iterations = 0;
+};
+BlockMotions motions_of_blocks(const std::vector<Vector3i>& places) {
+  constexpr int edge = 8, num_nodes = (edge + 1) * (edge + 1) * (edge + 1);
+  const Lattice block = make_box_lattice(Vector3i::Constant(edge), Vector3d::Zero(), Vector3d::Ones());
+  Cells cells(block.num_hexes() * Eigen::Index(places.size()), 3);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    cells.middleRows(block.num_hexes() * Eigen::Index(i), block.num_hexes()) =
+        block.cells.rowwise() + places[i].transpose();
+  Body body = test::make_block({edge, edge, edge}, {0, 0, 0}, 1);
+  body.lattice = make_lattice(cells, Vector3d::Zero(), Vector3d::Ones());
+  const Model model = make_model({body}, {});
+  std::vector<HexTerm> terms;
+  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
+    HexTerm term{hex, Vector24d::Zero(), 0};
+    for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
+    terms.push_back(term);
+  }
+  Eigen::MatrixXi nodes(num_nodes, Eigen::Index(places.size()));
+  for (int node = 0; node < int(model.num_nodes()); ++node)
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Vector3i within = model.rest_positions.row(node).transpose().cast<int>() - places[i];
+      if (within.minCoeff() >= 0 && within.maxCoeff() <= edge)
+        nodes(((edge + 1) * within[0] + within[1]) * (edge + 1) + within[2], Eigen::Index(i)) = node;
+    }
+  VectorXd b(3 * model.num_nodes());
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i)
+    for (int n = 0; n < num_nodes; ++n) b.segment<3>(3 * nodes(n, i)) = Vector3d(n % 5 - 2, n % 7 - 3, n % 4 - 1);
+  MultigridSystem system = system_at_rest(model, terms);
+  const Solved solution = solve_from_rest(model, b, {.tolerance = 1e-6}, system);
+  BlockMotions motions{MatrixXd(3 * num_nodes, nodes.cols()), solution.iterations};
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i)
+    for (int n = 0; n < num_nodes; ++n)
+      motions.columns.col(i).segment<3>(3 * n) = solution.x.segment<3>(3 * nodes(n, i));
+  return motions;
+}
+
+}  // namespace
+
+TEST_CASE("terms of hexes that lie millions of cells apart are told from each other") {
+  constexpr int far = 1 << 22;  // these cells, or coarse ones, are the same where a coordinate loses its highest bits
+  const BlockMotions alone = motions_of_blocks({{0, 0, 0}}),
+                     apart = motions_of_blocks(
+                         {{0, 0, 0}, {far, 0, 0}, {0, far, 0}, {0, 0, far}, {far / 2, 2, 0}, {2, far / 2, 0}});
+  for (const auto& motion : apart.columns.colwise())
+    CHECK((motion - alone.columns).norm() <= 1e-4 * alone.columns.norm());
+  CHECK(apart.iterations <= 2 * alone.iterations);  // 4 and 4
+}
+
 TEST_CASE("terms hold what they measure at their offsets") {
   const Model model = Resting().model;
   std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
