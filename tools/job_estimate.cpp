@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/brick_lattice.h"
 #include "core/error.h"
 #include "core/multigrid_system.h"
 #include "core/newton_system.h"
@@ -19,11 +20,14 @@ namespace {
 // Measured on two cores (AMD EPYC), `umax simulate` of figure and beam, peak of the whole process:
 //   direct      2,996 hexes 234 MB (380 MB with 54 contacts), 10,000 451 MB, 27,000 (a cube) 1,047 MB, 30,001
 //               1,346 MB, 97,336 (a cube) 5,065 MB, 99,666 (a bar) 3,430 MB
-//   multigrid   100,003 hexes 669 MB (27,900 of them at their limits), 1,000,053 3,580 MB (259,000)
+//   multigrid   100,003 hexes 669 MB (27,900 of them at their limits), 1,000,053 3,580 MB (259,000); 91,125 (a cube)
+//               452 MB (51,000); 22,500 (a sheet, one cell thick) 419 MB; 20,000 (a rod of single cells) 1,110 MB
 constexpr double program_bytes = 100e6;           // with no body
 constexpr double bytes_per_vertex = 700;          // the figure with 365 hexes and 116,000 of them: 183 MB
 constexpr double bytes_per_hex = 2700;            // cage, model, limits
-constexpr double multigrid_bytes_per_hex = 1200;  // its levels and directions, limits at work
+constexpr double multigrid_bytes_per_slot = 600;  // its levels and directions
+constexpr double multigrid_bytes_per_hex = 300;   // limits at work
+constexpr double slots_per_node = 1.2;            // of a compact body
 constexpr double bytes_per_irregular_hex = 12e3;  // its matrices
 constexpr double factor_bytes = 950;              // of the direct solver, times nodes^(4/3)
 
@@ -39,6 +43,10 @@ constexpr double worth_saying_bytes = 1 << 30, worth_saying_seconds = 600;
 
 double factor_memory(const BodySize& body) {
   return factor_bytes * std::pow(body.nodes, 4.0 / 3);
+}
+
+double slots_of(const Cells& cells, const Vector3d& cell_size) {
+  return cells.rows() > 0 ? double(make_brick_lattice(cells, cell_size).num_slots()) : 0;
 }
 
 double nodes_of_compact(double hexes) {
@@ -84,6 +92,7 @@ JobSize coarser(JobSize size, double most_hexes) {
   for (BodySize& body : size.bodies) {
     if (body.hexes <= most_hexes) continue;
     body.nodes = std::max(nodes_of_compact(most_hexes), body.nodes * most_hexes / body.hexes);
+    body.slots *= most_hexes / body.hexes;
     body.hexes = most_hexes;
   }
   return size;
@@ -145,7 +154,8 @@ JobSize size_of(const Scene& scene) {
   size.multigrid = size.may_multigrid && scene.solver.linear != LinearSolver::direct;
   for (const BodyDescription& body : scene.bodies) {
     const double hexes = hexes_told(body);
-    size.bodies.push_back({.name = body.name, .hexes = hexes, .nodes = hexes > 0 ? nodes_of_compact(hexes) : 0});
+    const double nodes = hexes > 0 ? nodes_of_compact(hexes) : 0;
+    size.bodies.push_back({.name = body.name, .hexes = hexes, .nodes = nodes, .slots = slots_per_node * nodes});
   }
   return size;
 }
@@ -156,6 +166,7 @@ JobSize size_of(const Scene& scene, const std::vector<BodySetup>& caged) {
     size.bodies[i] = {.name = caged[i].name,
                       .hexes = double(caged[i].lattice.num_hexes()),
                       .nodes = double(caged[i].lattice.num_nodes()),
+                      .slots = slots_of(caged[i].lattice.cells, caged[i].lattice.cell_size),
                       .vertices = double(caged[i].shape.mesh.num_vertices()),
                       .irregular = !caged[i].lattice.is_regular()};
   return size;
@@ -169,6 +180,7 @@ JobSize size_of(const Simulation& simulation) {
     size.bodies.push_back({.name = body.name,
                            .hexes = double(body.num_hexes),
                            .nodes = double(body.num_nodes),
+                           .slots = slots_of(body.cells, body.cell_edges),
                            .vertices = double(body.num_points),
                            .irregular = body.cells.rows() == 0});
   return size;
@@ -179,7 +191,8 @@ double lattice_memory(const JobSize& size) {
   for (const BodySize& body : size.bodies) {
     bytes += bytes_per_hex * body.hexes;
     if (body.irregular) bytes += bytes_per_irregular_hex * body.hexes;
-    bytes += size.multigrid ? multigrid_bytes_per_hex * body.hexes : factor_memory(body);
+    bytes += size.multigrid ? multigrid_bytes_per_slot * body.slots + multigrid_bytes_per_hex * body.hexes
+                            : factor_memory(body);
   }
   return bytes;
 }

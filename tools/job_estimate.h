@@ -12,6 +12,7 @@ namespace umax {
 struct BodySize {
   std::string name;
   double hexes = 0, nodes = 0;
+  double slots = 0;        // of the bricks that its regular lattice is stored in; a thin one fills few of them
   double vertices = 0;     // of its surface
   bool irregular = false;  // every hex has a shape of its own
 };

@@ -21,7 +21,8 @@ constexpr double gib = 1 << 30;
 
 JobSize cube(double edge_cells, bool multigrid) {
   const double hexes = edge_cells * edge_cells * edge_cells, edge_nodes = edge_cells + 1;
-  return {.bodies = {{.name = "block", .hexes = hexes, .nodes = edge_nodes * edge_nodes * edge_nodes}},
+  const double nodes = edge_nodes * edge_nodes * edge_nodes;
+  return {.bodies = {{.name = "block", .hexes = hexes, .nodes = nodes, .slots = 1.2 * nodes}},
           .multigrid = multigrid,
           .may_multigrid = true};
 }
@@ -90,6 +91,23 @@ TEST_CASE("direct solvers take memory like n^(4/3) and time like n^2, multigrid 
   JobSize two = cube(40, false);
   two.bodies.push_back(two.bodies.front());
   CHECK(lattice_memory(two) == Approx(2 * lattice_memory(cube(40, false))));
+}
+
+TEST_CASE("on multigrids a thin cage takes the memory of the bricks that it does not fill") {
+  const auto told = [](const std::string& cells, const std::string& size) {
+    const Scene scene =
+        block_with({{"body.block.cage.cells", cells}, {"body.block.size", size}, {"solver.linear", "multigrid"}});
+    const Simulation simulation = set_up(scene);
+    const double memory = lattice_memory(size_of(simulation));
+    CHECK(memory == Approx(lattice_memory(size_of(scene, simulation.bodies))));
+    return memory;
+  };
+  const double compact = told("[16, 16, 16]", "[1, 1, 1]"), sheet = told("[64, 64, 1]", "[4, 4, 0.0625]"),
+               rod = told("[1, 1, 4096]", "[0.01, 0.01, 40.96]");
+  CHECK(sheet > 2.5 * compact);
+  CHECK(sheet < 6 * compact);
+  CHECK(rod > 2 * sheet);
+  CHECK(told("[64, 64, 2]", "[4, 4, 0.125]") < 1.5 * sheet);  // two fill the bricks better
 }
 
 TEST_CASE("only a large job is announced") {
