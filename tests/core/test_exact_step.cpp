@@ -99,14 +99,28 @@ TEST_CASE("a soft limit stiffens the beam before the limit and lets it pass by l
   CHECK(lowest == Approx(hard).margin(0.05));
 }
 
-TEST_CASE("a step that cannot converge in its iterations is halved, reported, and ends on time") {
+namespace {
+
+Model tight_beam() {
   Body beam = test::make_beam();
   test::limit_energy(beam, 0.01);
-  const Model model = make_model({beam}, {});
+  return make_model({beam}, {});
+}
+
+// under which its steps are halved
+StepOptions few_iterations() {
   StepOptions options = exact_options();
   options.time_step = 0.05;
   options.solver.max_newton_iterations = 3;
   options.solver.max_augmented_iterations = 0;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("a step that cannot converge in its iterations is halved, reported, and ends on time") {
+  const Model model = tight_beam();
+  StepOptions options = few_iterations();
   options.solver.max_halvings = 8;
   State state = rest_state(model);
   int retries = 0;
@@ -119,13 +133,8 @@ TEST_CASE("a step that cannot converge in its iterations is halved, reported, an
 }
 
 TEST_CASE("what is thrown in the middle of a step leaves its state as it was") {
-  Body beam = test::make_beam();
-  test::limit_energy(beam, 0.01);
-  const Model model = make_model({beam}, {});
-  StepOptions options = exact_options();
-  options.time_step = 0.05;
-  options.solver.max_newton_iterations = 3;  // halved: states come in between
-  options.solver.max_augmented_iterations = 0;
+  const Model model = tight_beam();
+  StepOptions options = few_iterations();
   State state = rest_state(model), solved = state;
   Workspace workspace(model), interrupted(model);
   for (int i = 0; i < 10; ++i) {

@@ -29,6 +29,17 @@ std::vector<HexTerm> random_terms(const Model& model, double least, double most)
   return terms;
 }
 
+// each hex's strain along z
+std::vector<HexTerm> strain_terms(const Model& model) {
+  std::vector<HexTerm> terms;
+  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
+    HexTerm term{hex, Vector24d::Zero(), 0};
+    for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
+    terms.push_back(term);
+  }
+  return terms;
+}
+
 VectorXd dense_term(const Model& model, const HexTerm& term) {
   VectorXd g = VectorXd::Zero(3 * model.num_nodes());
   for (int n = 0; n < 8; ++n) g.segment<3>(3 * model.hexes(term.hex, n)) = term.vector.segment<3>(3 * n);
@@ -111,13 +122,7 @@ namespace {
 // linear iterations for a bar of 5 x 5 x 24 cells, or finer ones, whose terms all hold the strain along it
 int bar_iterations(int finer, double tolerance, bool may_factor) {
   const Model model = make_model({test::make_block({5 * finer, 5 * finer, 24 * finer}, {0, 0, 0}, 0.1 / finer)}, {});
-  std::vector<HexTerm> terms;
-  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
-    HexTerm term{hex, Vector24d::Zero(), 0};
-    for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
-    terms.push_back(term);
-  }
-  MultigridSystem system = system_at_rest(model, terms);
+  MultigridSystem system = system_at_rest(model, strain_terms(model));
   if (!may_factor)
     for (TermLevel& level : system.bodies.front().terms.levels) level.complement.is_factored = false;
   test::Random random(5);
@@ -287,12 +292,6 @@ BlockMotions motions_of_blocks(const std::vector<Vector3i>& places) {
   Body body = test::make_block({edge, edge, edge}, {0, 0, 0}, 1);
   body.lattice = make_lattice(cells, Vector3d::Zero(), Vector3d::Ones());
   const Model model = make_model({body}, {});
-  std::vector<HexTerm> terms;
-  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
-    HexTerm term{hex, Vector24d::Zero(), 0};
-    for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
-    terms.push_back(term);
-  }
   Eigen::MatrixXi nodes(num_nodes, Eigen::Index(places.size()));
   for (int node = 0; node < int(model.num_nodes()); ++node)
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -303,7 +302,7 @@ BlockMotions motions_of_blocks(const std::vector<Vector3i>& places) {
   VectorXd b(3 * model.num_nodes());
   for (Eigen::Index i = 0; i < nodes.cols(); ++i)
     for (int n = 0; n < num_nodes; ++n) b.segment<3>(3 * nodes(n, i)) = Vector3d(n % 5 - 2, n % 7 - 3, n % 4 - 1);
-  MultigridSystem system = system_at_rest(model, terms);
+  MultigridSystem system = system_at_rest(model, strain_terms(model));
   const Solved solution = solve_from_rest(model, b, {.tolerance = 1e-6}, system);
   BlockMotions motions{MatrixXd(3 * num_nodes, nodes.cols()), solution.iterations};
   for (Eigen::Index i = 0; i < nodes.cols(); ++i)
