@@ -14,13 +14,15 @@
 namespace umax {
 namespace {
 
-constexpr double relative_penalty = 1e4;      // rho / U_max
+constexpr double relative_penalty = 1e4;      // rho / U_max, where the matrix is factored
+constexpr double multigrid_penalty = 1e3;     // rho / (U_max + lambda), on multigrids
 constexpr double hold = 10;                   // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
 constexpr int max_contact_rounds = 10;        // detections per factorisation
 constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
 constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
+constexpr double near_solution = 3;           // [-] residual of an iterate whose successor may be it, in tolerances
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
@@ -90,13 +92,17 @@ VectorXd limit_change(const StepProblem& problem, const Linearisation& at, const
 // Energies are convex, so a step to the linearised limit ends a little beyond it, and such a hex would be held there
 // for ever. Whether a limit is held must not depend on the penalty: a large one lets go at a hair's breadth below the
 // limit.
-std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const Iterate& iterate) {
+// On multigrids the penalty is in proportion to the stiffness that the multiplier gives the hex, and violations fall to
+// a thousandth: a larger one only makes linear systems harder, as multipliers that alternate along a line of hexes
+// hardly push its nodes and grow with it.
+std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, bool multigrid, const Iterate& iterate) {
   std::vector<LimitTerms> terms = limit_terms(problem, iterate, relative_penalty);
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const double energy = iterate.evaluation.energy[l], limit = problem.limits[l], multiplier = iterate.multipliers[l];
     const bool held = !iterate.released[l] && multiplier + hold * (energy - limit) > 0;
-    terms[l] = held ? held_limit_terms(energy, limit, multiplier, relative_penalty * limit) : LimitTerms{};
+    const double penalty = multigrid ? multigrid_penalty * (limit + multiplier) : relative_penalty * limit;
+    terms[l] = held ? held_limit_terms(energy, limit, multiplier, penalty) : LimitTerms{};
   }
   return terms;
 }
@@ -106,7 +112,7 @@ void update_multipliers(const StepProblem& problem, const Linearisation& at, con
   for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const bool held = at.limits[l].rank_one > 0;
-    const double next = at.limits[l].force * problem.limits[l] + relative_penalty * change[l];
+    const double next = problem.limits[l] * (at.limits[l].force + at.limits[l].rank_one * change[l]);
     iterate.released[l] = held && next < 0;
     iterate.multipliers[l] += share * ((held ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
   }
@@ -135,8 +141,9 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
   const bool multigrid = uses_multigrid(model, solver);
-  // what comes after failure is dearer without a factor
+  // what comes after failure is dearer without a factor, dearest where little was missing
   const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
+  const int most_near = multigrid ? 3 * solver.max_newton_iterations : most;
   VectorXd last_step;  // 3 #N [m], of multigrids, where it was taken as a whole
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
@@ -150,9 +157,10 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     report.kkt_residual = quality.kkt;
     tell(problem, report.sqp_iterations, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
-    if (report.sqp_iterations == most) return false;
+    const bool is_near = quality.kkt <= near_solution * solver.tolerance;
+    if (report.sqp_iterations >= (is_near ? most_near : most)) return false;
     ++report.sqp_iterations;
-    const Linearisation at{sequential_limit_terms(problem, iterate), {}};  // contacts are solved for apart
+    const Linearisation at{sequential_limit_terms(problem, multigrid, iterate), {}};  // contacts are solved for apart
     NewtonStep newton;
     if (multigrid) {
       newton = minimise_subproblem(problem, at, gradient(problem, iterate, at), iterate, workspace, report);

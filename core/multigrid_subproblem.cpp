@@ -25,14 +25,12 @@ struct Accuracy {
   bool final = false;  // contacts must be as shallow as the solution's
 };
 
-// The more exactly the nearer the iterate is to the step's solution. With contacts, for whose forces a system is solved
-// several times, that would be most of the work, while what turning hexes do makes the step no better than it was
-// before: the linear system then follows Eisenstat and Walker (1996, their second choice).
-Accuracy accuracy_at(double kkt_residual, double kkt_fall, bool has_contacts, double tolerance) {
+// The linear system is solved no more exactly than the last iteration has shown to be of use (Eisenstat and Walker
+// 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
+// iterate is to the step's solution.
+Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
   const double near = 3 * tolerance;  // the step's solution may be next
-  const double by_fall = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05);
-  const double by_residual = std::clamp(0.1 * kkt_residual, std::min(tolerance, 0.05), 0.05);
-  return {.linear = has_contacts ? by_fall : by_residual,
+  return {.linear = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05),
           .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
           .final = kkt_residual <= near};
 }
@@ -126,8 +124,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy =
-      accuracy_at(report.kkt_residual, iterate.kkt_fall, !iterate.contacts.empty(), problem.options->solver.tolerance);
+  const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
   begin(model, push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force), system);

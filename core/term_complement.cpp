@@ -12,10 +12,9 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index most_factored = 10000;  // terms
-// half as many steps take twice the iterations where nearly all hexes are limited
-constexpr ChebyshevOptions unfactored{.steps = 16, .interval = 300};
-constexpr Eigen::Index grain = 64;  // hexes per task
+constexpr Eigen::Index most_factored = 10000;                        // terms
+constexpr ChebyshevOptions unfactored{.steps = 12, .interval = 150};  // more take as many iterations
+constexpr Eigen::Index grain = 64;                                   // hexes per task
 
 // Nested dissection in space, [first, end) of hexes: a layer of them parts the others and is eliminated after these.
 void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::iterator first,

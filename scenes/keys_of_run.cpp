@@ -58,7 +58,7 @@ SceneSection solver_section() {
   keys.add("max_iterations", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(max_iterations),
            "paper: re-linearisations a step, at most");
   keys.add("max_newton_iterations", IntegerKind{.low = 1, .high = 1000000}, UMAX_FIELD(max_newton_iterations),
-           "exact: iterations after which a line search takes over; twice as many on multigrids");
+           "exact: iterations after which a line search takes over; on multigrids two to three times as many");
   keys.add("max_augmented_iterations", IntegerKind{.low = 0, .high = 1000000}, UMAX_FIELD(max_augmented_iterations),
            "exact: factorisations of the line search after which the step is halved");
   keys.add("max_halvings", IntegerKind{.low = 0, .high = 30}, UMAX_FIELD(max_halvings),

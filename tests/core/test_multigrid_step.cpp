@@ -74,6 +74,52 @@ TEST_CASE("a beam that is pulled taut and swings is no matter of many iterations
 
 namespace {
 
+// a step, after one of 1/60 s, of a block of n^3 hexes that is thrown across where it is clamped, and limited tightly
+StepReport step_of_tight_block(int n, StepOptions options) {
+  Body block = test::make_block(Vector3i::Constant(n), {0, 0, 0}, 1.0 / n);
+  block.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.02};
+  for (Eigen::Index node = 0; node < block.lattice.rest_positions.rows(); ++node)
+    if (block.lattice.rest_positions(node, 0) == 0) block.fixed_nodes.push_back(int(node));
+  const Model model = make_model({block}, {});
+  State state = rest_state(model);
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    if (!model.node_fixed[node]) state.velocities(node, 1) = -3 * model.rest_positions(node, 0);
+  options.solver.linear = LinearSolver::multigrid;
+  Workspace workspace(model);
+  StepOptions before = options;
+  before.time_step = 1.0 / 60;
+  step(model, before, workspace, state);
+  return step(model, options, workspace, state);
+}
+
+}  // namespace
+
+TEST_CASE("a step whose hexes are nearly all at their limits is no matter of many iterations on multigrids") {
+  const StepReport report = step_of_tight_block(24, {.time_step = 1.0 / 60});
+  REQUIRE(report.limits_active > 10000);  // the complement is not factored
+  CHECK(report.status == StepStatus::converged);
+  CHECK(report.retries == 0);
+  CHECK(report.max_energy_ratio <= 1.001);
+  CHECK(report.linear_iterations <= 38);  // 32; 46 with a penalty of 1e4 U_max
+}
+
+TEST_CASE("a step on multigrids that is nearly solved is not given up for two halves") {
+  StepOptions options{.time_step = 1.0 / 960};
+  options.solver.tolerance = 2e-3;
+  options.solver.max_newton_iterations = 2;
+  std::vector<double> residuals;
+  options.on_iteration = [&](const IterationReport& at) { residuals.push_back(at.kkt_residual); };
+  const StepReport report = step_of_tight_block(6, options);
+  CHECK(report.status == StepStatus::converged);
+  CHECK(report.retries == 0);
+  REQUIRE(report.sqp_iterations > 2 * options.solver.max_newton_iterations);
+  const double at_limit = residuals[residuals.size() - 1 - std::size_t(report.sqp_iterations) + 4];
+  CHECK(at_limit > options.solver.tolerance);
+  CHECK(at_limit <= 3 * options.solver.tolerance);
+}
+
+namespace {
+
 // The thrown sphere as it touches the ground, in one linearisation.
 struct Impact {
   Model model = thrown_sphere();
