@@ -29,7 +29,7 @@ struct SolverOptions {
   RotationEstimate rotation = RotationEstimate::centre;
   LimitJacobian jacobian = LimitJacobian::exact;
   int max_iterations = 100;            // paper: re-linearisations a step
-  int max_newton_iterations = 20;      // exact: after which a line search takes over; on multigrids 2 to 3 times as many
+  int max_newton_iterations = 20;      // exact: after which a line search takes over; on multigrids 2 to 3 times
   int max_augmented_iterations = 100;  // exact: factorisations of the line search after which the step is halved
   int max_halvings = 6;                // exact: of a step that does not converge
   int max_sweeps = 2000;               // Gauss-Seidel sweeps a re-linearisation

@@ -12,9 +12,9 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index most_factored = 10000;                        // terms
+constexpr Eigen::Index most_factored = 10000;                         // terms
 constexpr ChebyshevOptions unfactored{.steps = 12, .interval = 150};  // more take as many iterations
-constexpr Eigen::Index grain = 64;                                   // hexes per task
+constexpr Eigen::Index grain = 64;                                    // hexes per task
 
 // Nested dissection in space, [first, end) of hexes: a layer of them parts the others and is eliminated after these.
 void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::iterator first,

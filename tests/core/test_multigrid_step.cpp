@@ -112,8 +112,9 @@ TEST_CASE("a step on multigrids that is nearly solved is not given up for two ha
   const StepReport report = step_of_tight_block(6, options);
   CHECK(report.status == StepStatus::converged);
   CHECK(report.retries == 0);
-  REQUIRE(report.sqp_iterations > 2 * options.solver.max_newton_iterations);
-  const double at_limit = residuals[residuals.size() - 1 - std::size_t(report.sqp_iterations) + 4];
+  const int usual = 2 * options.solver.max_newton_iterations;
+  REQUIRE(report.sqp_iterations > usual);
+  const double at_limit = residuals[residuals.size() - 1 - std::size_t(report.sqp_iterations - usual)];
   CHECK(at_limit > options.solver.tolerance);
   CHECK(at_limit <= 3 * options.solver.tolerance);
 }
