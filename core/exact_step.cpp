@@ -22,7 +22,6 @@ constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth 
 constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
-constexpr double near_solution = 3;           // [-] residual of an iterate whose successor may be it, in tolerances
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]

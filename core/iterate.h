@@ -7,6 +7,9 @@
 
 namespace umax {
 
+/// [-] Residual, in tolerances, of an iterate whose successor may be the step's solution.
+inline constexpr double near_solution = 3;
+
 struct Iterate {
   Points positions;               // #N x 3 [m]
   VectorXd multipliers;           // #L force-level [J]

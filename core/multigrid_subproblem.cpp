@@ -29,10 +29,9 @@ struct Accuracy {
 // 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
 // iterate is to the step's solution.
 Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
-  const double near = 3 * tolerance;  // the step's solution may be next
   return {.linear = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05),
           .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
-          .final = kkt_residual <= near};
+          .final = kkt_residual <= near_solution * tolerance};
 }
 
 // Forces [N], 3 per contact, and the error [-] that is left in the linear system with them.
