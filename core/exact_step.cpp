@@ -23,6 +23,7 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
+constexpr double to_and_fro_share = 0.5;      // of a step where they go to and fro
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
@@ -143,7 +144,8 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
   // what comes after failure is dearer without a factor, dearest where little was missing
   const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
   const int most_near = multigrid ? 3 * solver.max_newton_iterations : most;
-  VectorXd last_step;  // 3 #N [m], of multigrids, where it was taken as a whole
+  VectorXd last_step;             // 3 #N [m], of multigrids, where it was taken as a whole
+  std::vector<double> residuals;  // KKT, of each iterate
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     if (report.sqp_iterations < normal_updates)
@@ -154,6 +156,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     const Quality quality = assess(problem, iterate);
     iterate.kkt_fall = report.sqp_iterations > 0 ? quality.kkt / report.kkt_residual : 1;
     report.kkt_residual = quality.kkt;
+    residuals.push_back(quality.kkt);
     tell(problem, report.sqp_iterations, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     const bool is_near = quality.kkt <= near_solution * solver.tolerance;
@@ -172,8 +175,11 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     iterate.last_move = largest_move(model, newton.step);
     const double share = bearable_share(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
-    const bool is_balanced = quality.kkt <= solver.tolerance;  // a longer step would only spoil that
-    const double factor = share == 1 && !is_balanced ? correction(newton.step, last_step) : share;
+    double factor = share;
+    if (share == 1 && quality.kkt > solver.tolerance && goes_to_and_fro(residuals, newton.step, last_step))
+      factor = to_and_fro_share;
+    else if (share == 1)
+      factor = correction(newton.step, last_step);
     const double moved = factor > 1 ? factor * bearable_share(model, factor * newton.step) : factor;
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);

@@ -9,7 +9,12 @@ namespace umax {
 namespace {
 
 constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
+// [-] Of the iterate's deepest contact, how deep one may be after a step that is not the last: where thousands are a
+// little too deep, corrections that bring all of them up at once are no response of single contacts.
+constexpr double left_share = 0.5;
 constexpr int max_corrections = 12;
+constexpr int max_clearings = 3;       // of these, where forces have settled and only depths are left to bring down
+constexpr double telling_fall = 0.25;  // [-] of the error, from which a solve shows a response to what was changed
 // [-] Fall of the residual in a solve that others follow: what it leaves over spoils what is learnt of the response to
 // forces, and forces that contacts change raise it again.
 constexpr double finest_fall = 0.01, coarsest_fall = 0.05;
@@ -68,22 +73,21 @@ std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& 
   return rows;
 }
 
-// is no contact deeper after the step than a small share of what is bearable?
+// is no contact deeper after the step than what is allowed [m], or a small share of what is bearable?
 bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
-              const VectorXd& w) {
+              const VectorXd& w, double allowed) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
     const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
-    if (gap < -clear_share * bearable) return false;
+    if (gap < -std::max(allowed, clear_share * bearable)) return false;
   }
   return true;
 }
 
-// returns the error
-double improve(const SaddlePointOptions& options, MultigridSystem& system, StepReport& report) {
+SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& system, StepReport& report) {
   const SaddlePointReport linear = improve(options, system);
   report.linear_iterations += linear.iterations;
-  return linear.error;
+  return linear;
 }
 
 void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
@@ -93,7 +97,9 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
   VectorXd motions = contact_motions(model, iterate.contacts, system);
+  const double allowed = accuracy.final ? 0 : left_share * deepest(iterate.contacts);
   bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
+  int num_clearings = 0;
   for (int i = 0; i < max_corrections; ++i) {
     const VectorXd w = fixed + motions;
     VectorXd forces = solution.forces;
@@ -101,19 +107,21 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
                  {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
     const VectorXd change = forces - solution.forces;
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
-    const bool settled = missing <= bearable && (!accuracy.final || is_clear(problem, iterate, rows, w));
+    const bool balanced = missing <= bearable, settled = balanced && is_clear(problem, iterate, rows, w, allowed);
     if (settled && solved) return;
     const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
     add_contact_forces(model, iterate.contacts, change, system);
-    solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report);
+    const SaddlePointReport linear = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report);
+    solution.error = linear.error;
     solved = settled || solution.error <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
+    if (balanced && ++num_clearings == max_clearings && solved) return;
     const VectorXd moved = contact_motions(model, iterate.contacts, system);
-    learn(change, moved - motions, compliance);
+    if (linear.error <= telling_fall * linear.started) learn(change, moved - motions, compliance);
     motions = moved;
   }
-  if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report);
+  if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report).error;
 }
 
 }  // namespace
@@ -127,8 +135,8 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
   begin(model, push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force), system);
-  solution.error = improve({.tolerance = accuracy.linear, .reduction = iterate.contacts.empty() ? 0 : coarsest_fall},
-                           system, report);
+  const double fall = iterate.contacts.empty() ? 0 : coarsest_fall;
+  solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
   NewtonStep newton;
   for (int round = 0; round < max_contact_rounds; ++round) {
     if (!iterate.contacts.empty()) solve_contacts(problem, iterate, accuracy, system, report, solution);

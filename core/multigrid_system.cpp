@@ -200,6 +200,7 @@ SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& sy
     if (grid.unit == 0) continue;
     const SaddlePointReport report = solve(grid.multigrid, grid.terms, options, grid.point);
     of_all.iterations += report.iterations;
+    of_all.started = std::max(of_all.started, report.started);
     of_all.error = std::max(of_all.error, report.error);
   }
   return of_all;

@@ -50,7 +50,7 @@ void add_force(const Model& model, const VectorXd& force, MultigridSystem& syste
 void add_contact_forces(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces,
                         MultigridSystem& system);
 
-/// Improves x, for the forces so far: iterations of all bodies, the largest error of a body.
+/// Improves x, for the forces so far: iterations of all bodies, the largest errors of a body.
 SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& system);
 
 /// How contacts move in x, 3 numbers for each.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -124,6 +125,7 @@ void begin(const VectorXd& c, SaddlePoint& point) {
   point.y = VectorXd::Zero(c.size());
   point.c = point.term_residual = c;
   point.largest_error = 0;
+  point.error = std::numeric_limits<double>::infinity();
   point.num_directions = 0;
 }
 
@@ -133,6 +135,7 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
   const BrickLattice& lattice = level.lattice;
   const HexTerms& terms = coupled.levels.front().terms;
   const double weight = coupled.weight;
+  if (!point.pushed && point.error <= options.tolerance) return {0, point.error, point.error};
   double norm = advance(lattice, weight, point.pushed ? kept(point) : std::vector<const Direction*>{}, point);
   point.pushed = false;
   SaddlePointReport report;
@@ -151,9 +154,11 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
     point.largest_error = std::max(point.largest_error, error);
     const auto is_small = [&] {
       report.error = point.largest_error > 0 ? error / point.largest_error : 0;
+      report.started = point.largest_error > 0 ? started / point.largest_error : 0;
       return !(error > 0) || report.error <= options.tolerance || error <= options.reduction * started;
     };
-    if (is_small() || report.iterations == options.max_iterations) break;
+    const bool was_small = is_small();  // then one iteration more, as its cycle is there
+    if (!(error > 0) || report.iterations == options.max_iterations) break;
     d.y = y;
     d.term_image.resize(y.size());
     if (y.size() > 0) {
@@ -168,8 +173,9 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
     const double before = std::exchange(norm, advance(lattice, weight, {&d}, point));
     error *= norm / before;  // as far as can be told without another cycle
     stuck = norm > stuck_share * before;
-    if (is_small()) break;
+    if (is_small() || was_small) break;
   }
+  point.error = report.error;
   return report;
 }
 

@@ -22,7 +22,8 @@ struct SaddlePointOptions {
 
 struct SaddlePointReport {
   int iterations = 0;
-  double error = 0;  // [-] what it fell to, from the largest since begin(), as the preconditioner tells
+  double started = 0;  // [-] the error as this solve began, from the largest since begin(), as the preconditioner tells
+  double error = 0;    // [-] what it fell to
 };
 
 /// A solution on its way, and the memory that solve() works in.
@@ -35,6 +36,7 @@ struct SaddlePoint {
   AlignedArray<float> x, residual;  // of the nodes; r = b - A x - G y
   VectorXd y, c, term_residual;     // of the terms: y = G^T x - c is as exact as x is, though G x would cancel
   double largest_error = 0;
+  double error = 0;     // [-] that the last solve has left, from the largest
   bool pushed = false;  // has the residual been added to since the last solve?
   std::array<Direction, 8> directions;
   int num_directions = 0;  // so far: of the last ones each has its place in turn

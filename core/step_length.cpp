@@ -16,6 +16,8 @@ constexpr int easing_sweeps = 40;
 constexpr double same_direction = 0.95;   // cosine between steps of one motion
 constexpr double worth_correcting = 0.4;  // [-] share of the step before
 constexpr double largest_correction = 8;  // times the step
+constexpr std::size_t patience = 4;       // iterations
+constexpr double slow_fall = 0.5;         // of the residual, in as many
 constexpr Eigen::Index hexes_per_block = 64;
 
 // [cells^2] of the node that moves farthest from the hex's mean motion
@@ -103,6 +105,12 @@ double correction(const VectorXd& step, const VectorXd& before) {
   const double along = step.dot(before), share = along / before.squaredNorm();
   if (std::abs(along) < same_direction * step.norm() * before.norm() || std::abs(share) < worth_correcting) return 1;
   return 1 / (1 - std::min(share, 1 - 1 / largest_correction));
+}
+
+bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const VectorXd& before) {
+  if (before.size() == 0 || residuals.size() <= 2 * patience) return false;
+  const double fall = residuals.back() / residuals[residuals.size() - 1 - patience];
+  return fall > slow_fall && step.dot(before) < 0;
 }
 
 }  // namespace umax

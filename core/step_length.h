@@ -1,6 +1,8 @@
 // How far an iteration goes along its step: beyond a fifth of a cell of distortion, what is linear in it says little.
 #pragma once
 
+#include <vector>
+
 #include "core/model.h"
 
 namespace umax {
@@ -20,5 +22,9 @@ void ease(const Model& model, VectorXd& step);
 /// what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and fro) and too stiff
 /// under compression (they creep). 1 elsewhere, and where before is empty.
 double correction(const VectorXd& step, const VectorXd& before);
+
+/// Does an iteration hardly get on, and undo in part what the one before did? Then hexes in a knot turn to and fro
+/// between two places, and half a step lets them go. residuals: of all iterates so far.
+bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const VectorXd& before);
 
 }  // namespace umax

@@ -86,3 +86,15 @@ TEST_CASE("steps along the last one are stretched where they creep, cut where th
   VectorXd across = before.reverse();
   CHECK(correction(across, before) == 1);
 }
+
+TEST_CASE("an iteration goes to and fro where it undoes its last step and its residual hardly falls") {
+  const VectorXd before = VectorXd::LinSpaced(30, -1, 2);
+  const VectorXd back = -0.3 * before, on = 0.3 * before;
+  const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9}, falling{8, 4, 2, 1, 1, 1, 1, 1, 0.4},
+      young(stuck.begin() + 1, stuck.end());
+  CHECK(goes_to_and_fro(stuck, back, before));
+  CHECK_FALSE(goes_to_and_fro(stuck, on, before));
+  CHECK_FALSE(goes_to_and_fro(stuck, back, {}));
+  CHECK_FALSE(goes_to_and_fro(falling, back, before));
+  CHECK_FALSE(goes_to_and_fro(young, back, before));
+}
