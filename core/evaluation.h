@@ -11,7 +11,7 @@ namespace umax {
 using HexColumns = Eigen::Matrix<double, 24, Eigen::Dynamic>;
 
 struct Evaluation {
-  std::vector<CorotatedHex> hexes;  // #E
+  std::vector<CorotatedHex> hexes;  // #E, none where no matrix is assembled
   HexColumns elastic;               // [N] dU/dx of the true energy
   HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
   VectorXd internal;                // 3 #N [N] the sum of both at the nodes

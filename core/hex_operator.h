@@ -83,12 +83,15 @@ inline Eigen::Matrix<float, 24, 1> gather_nodes(const std::array<int, 8>& nodes,
   return local;
 }
 
+/// x += of_node, at the node in a slot.
+inline void add_at_node(int slot, const Vector3f& of_node, AlignedArray<float>& x) {
+  for (int c = 0; c < 3; ++c) x[slot_offset(slot, vector_components) + std::size_t(c) * brick_lanes] += of_node[c];
+}
+
 /// x += local, at a hex's nodes.
 inline void add_at_nodes(const std::array<int, 8>& nodes, const Eigen::Matrix<float, 24, 1>& local,
                          AlignedArray<float>& x) {
-  for (int n = 0; n < 8; ++n)
-    for (int c = 0; c < 3; ++c)
-      x[slot_offset(nodes[n], vector_components) + std::size_t(c) * brick_lanes] += local[3 * n + c];
+  for (int n = 0; n < 8; ++n) add_at_node(nodes[n], local.segment<3>(3 * n), x);
 }
 
 /// a . b of node vectors, summed in double and in a fixed order.

@@ -1,6 +1,8 @@
 #include "core/hex_terms.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace umax {
 namespace {
@@ -11,38 +13,51 @@ constexpr Eigen::Index grain = 64;  // hexes per task
 
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
                         const std::vector<int>& node_slots, const AlignedArray<float>& diagonal) {
-  std::array<std::vector<int>, 8> by_colour;
-  for (std::size_t t = 0; t < terms.size(); ++t) by_colour[colour_of(cells.row(terms[t].hex))].push_back(int(t));
+  std::vector<int> order(terms.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return terms[a].hex < terms[b].hex; });
   HexTerms sorted;
   sorted.vectors.reserve(terms.size());
-  sorted.sources.reserve(terms.size());
   sorted.offsets.resize(Eigen::Index(terms.size()));
-  for (int colour = 0; colour < 8; ++colour) {
-    sorted.colour_starts[colour] = int(sorted.hexes.size());
-    std::vector<int>& of_colour = by_colour[colour];
-    std::stable_sort(of_colour.begin(), of_colour.end(), [&](int a, int b) { return terms[a].hex < terms[b].hex; });
-    int last = -1;
-    for (const int t : of_colour) {
-      const HexTerm& term = terms[t];
-      if (term.hex != last) {
-        HexTerms::Hex hex;
-        for (int n = 0; n < 8; ++n) hex.nodes[n] = node_slots[hexes(term.hex, n) - first_node];
-        hex.cell = cells.row(term.hex);
-        hex.first = int(sorted.vectors.size());
-        sorted.hexes.push_back(hex);
-        last = term.hex;
-      }
-      HexTerms::Vector24f g = term.vector.cast<float>();
-      for (int n = 0; n < 8; ++n)
-        if (!(diagonal[sorted.hexes.back().nodes[n]] > 0)) g.segment<3>(3 * n).setZero();
-      sorted.offsets[Eigen::Index(sorted.vectors.size())] = term.offset;
-      sorted.vectors.push_back(g);
-      sorted.sources.push_back(t);
-      sorted.hexes.back().end = int(sorted.vectors.size());
+  int last = -1;
+  for (const int t : order) {
+    const HexTerm& term = terms[t];
+    if (term.hex != last) {
+      HexTerms::Hex hex;
+      for (int n = 0; n < 8; ++n) hex.nodes[n] = node_slots[hexes(term.hex, n) - first_node];
+      hex.cell = cells.row(term.hex);
+      hex.first = int(sorted.vectors.size());
+      sorted.hexes.push_back(hex);
+      last = term.hex;
     }
+    HexTerms::Vector24f g = term.vector.cast<float>();
+    for (int n = 0; n < 8; ++n)
+      if (!(diagonal[sorted.hexes.back().nodes[n]] > 0)) g.segment<3>(3 * n).setZero();
+    sorted.offsets[Eigen::Index(sorted.vectors.size())] = term.offset;
+    sorted.vectors.push_back(g);
+    sorted.hexes.back().end = int(sorted.vectors.size());
   }
-  sorted.colour_starts[8] = int(sorted.hexes.size());
+  sorted.sources = std::move(order);
+  index_nodes(diagonal.size(), sorted);
   return sorted;
+}
+
+void index_nodes(std::size_t num_slots, HexTerms& terms) {
+  std::vector<int> places(num_slots, 0);  // of each node: how many corners it has, then where its next one goes
+  for (const HexTerms::Hex& hex : terms.hexes)
+    for (const int slot : hex.nodes) places[slot] += hex.end - hex.first;
+  terms.node_slots.clear();
+  terms.corner_starts = {0};
+  for (std::size_t slot = 0; slot < num_slots; ++slot) {
+    if (places[slot] == 0) continue;
+    const int first = terms.corner_starts.back();
+    terms.node_slots.push_back(int(slot));
+    terms.corner_starts.push_back(first + std::exchange(places[slot], first));
+  }
+  terms.corners.resize(8 * terms.vectors.size());
+  for (const HexTerms::Hex& hex : terms.hexes)
+    for (int t = hex.first; t < hex.end; ++t)
+      for (int n = 0; n < 8; ++n) terms.corners[places[hex.nodes[n]]++] = 8 * t + n;
 }
 
 template <class Vector>
@@ -59,11 +74,7 @@ void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& produ
 
 template <class Vector>
 void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x) {
-  for_each_apart(terms, [&](const HexTerms::Hex& hex) {
-    HexTerms::Vector24f sum = float(factors[hex.first]) * terms.vectors[hex.first];
-    for (int t = hex.first + 1; t < hex.end; ++t) sum += float(factors[t]) * terms.vectors[t];
-    add_at_nodes(hex.nodes, sum, x);
-  });
+  for_each_node(terms, factors, [&](int slot, const Vector3f& sum) { add_at_node(slot, sum, x); });
 }
 
 template void multiply(const HexTerms&, const AlignedArray<float>&, VectorXd&);

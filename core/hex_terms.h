@@ -19,17 +19,14 @@ struct HexTerms {
     Vector3i cell{0, 0, 0};      // on the lattice
     int first = 0, end = 0;      // of its vectors
   };
-  std::vector<Hex> hexes;              // those with terms, by colour: hexes of a colour share no nodes
-  std::array<int, 9> colour_starts{};  // into hexes
-  std::vector<Vector24f> vectors;      // g [sqrt(N/m)], zero at nodes that are not free
-  std::vector<int> sources;            // which of the terms handed in each vector is
+  std::vector<Hex> hexes;          // those with terms, in the order of the lattice
+  std::vector<Vector24f> vectors;  // g [sqrt(N/m)], zero at nodes that are not free
+  std::vector<int> sources;        // which of the terms handed in each vector is
   VectorXd offsets;
+  std::vector<int> node_slots;     // of the nodes of these hexes, ascending
+  std::vector<int> corner_starts;  // of each of them, and the end
+  std::vector<int> corners;        // 8 vector + corner
 };
-
-/// Cells of a colour share no corners.
-inline int colour_of(const Vector3i& cell) {
-  return 4 * (cell[0] & 1) + 2 * (cell[1] & 1) + (cell[2] & 1);
-}
 
 /// One term as it is handed in.
 struct HexTerm {
@@ -42,16 +39,23 @@ struct HexTerm {
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
                         const std::vector<int>& node_slots, const AlignedArray<float>& diagonal);
 
-/// Calls body(hex) for every hex with terms, at the same time only for hexes that share no nodes: it may write there.
-template <class Body>
-void for_each_apart(const HexTerms& terms, const Body& body) {
-  constexpr Eigen::Index grain = 64;  // hexes per task
-  for (int colour = 0; colour < 8; ++colour) {
-    const int first = terms.colour_starts[colour], count = terms.colour_starts[colour + 1] - first;
-    parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
-      for (Eigen::Index h = first + begin; h < first + end; ++h) body(terms.hexes[h]);
-    });
-  }
+/// Lists the corners of hexes and vectors by nodes. num_slots: of the lattice.
+void index_nodes(std::size_t num_slots, HexTerms& terms);
+
+/// Calls body(slot, G factors there) for every node of hexes with terms.
+template <class Vector, class Body>
+void for_each_node(const HexTerms& terms, const Vector& factors, const Body& body) {
+  constexpr Eigen::Index grain = 256;  // nodes per task
+  parallel_blocks(Eigen::Index(terms.node_slots.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      Vector3f sum = Vector3f::Zero();
+      for (int at = terms.corner_starts[i]; at < terms.corner_starts[i + 1]; ++at) {
+        const int t = terms.corners[at] / 8, n = terms.corners[at] % 8;
+        sum += float(factors[t]) * terms.vectors[t].template segment<3>(3 * n);
+      }
+      body(terms.node_slots[i], sum);
+    }
+  });
 }
 
 /// products = G^T x.

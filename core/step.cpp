@@ -5,6 +5,7 @@
 
 #include "core/exact_step.h"
 #include "core/hex_limits.h"
+#include "core/newton_system.h"
 #include "core/paper_step.h"
 #include "core/parallel.h"
 #include "core/step_problem.h"
@@ -56,6 +57,7 @@ StepReport advance(const Model& model, const StepOptions& options, Workspace::Da
   StepProblem problem = begin_step(model, options, data.contact_geometry, state);
   const bool exact = options.solver.method == SolverMethod::exact;
   problem.last_attempt = halvings == 0 || !start.been_feasible;
+  problem.is_assembled = !exact || !uses_multigrid(model, options.solver);
   StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
   const bool retry = exact && report.status == StepStatus::iteration_limit && !problem.last_attempt;

@@ -26,6 +26,7 @@ struct StepProblem {
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
   double joining_share = 0.5;
   bool last_attempt = true;  // a step that does not converge is not halved
+  bool is_assembled = true;  // its matrix is, from the hexes' states
 };
 
 /// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.

@@ -12,6 +12,7 @@ namespace {
 
 constexpr float entry_scale = 32767;  // of entries, which are -1 ... 1
 constexpr Eigen::Index grain = 64;    // lines or strips per task
+constexpr Eigen::Index terms_per_block = 4096;
 
 // corners that a cell shares with each one near it: its own, the other's
 using SharedCorners = std::array<std::vector<std::pair<int, int>>, num_near>;
@@ -252,7 +253,9 @@ std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const T
 VectorXf solve(StripMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b) {
   const float theta = matrix.largest * (1 + 1 / options.interval) / 2,
               delta = matrix.largest * (1 - 1 / options.interval) / 2;
-  for (Eigen::Index t = 0; t < b.size(); ++t) begin(matrix, matrix.lanes[t], matrix.scale[t] * b[t], 1 / theta);
+  parallel_blocks(b.size(), terms_per_block, [&](Eigen::Index first, Eigen::Index end) {
+    for (Eigen::Index t = first; t < end; ++t) begin(matrix, matrix.lanes[t], matrix.scale[t] * b[t], 1 / theta);
+  });
   float rho = delta / theta;
   for (int step = 1; step < options.steps; ++step) {
     const float next = 1 / (2 * theta / delta - rho);
@@ -260,7 +263,9 @@ VectorXf solve(StripMatrix& matrix, const ChebyshevOptions& options, const Vecto
     rho = next;
   }
   VectorXf x(b.size());
-  for (Eigen::Index t = 0; t < x.size(); ++t) x[t] = matrix.scale[t] * matrix.x[matrix.lanes[t]];
+  parallel_blocks(x.size(), terms_per_block, [&](Eigen::Index first, Eigen::Index end) {
+    for (Eigen::Index t = first; t < end; ++t) x[t] = matrix.scale[t] * matrix.x[matrix.lanes[t]];
+  });
   return x;
 }
 

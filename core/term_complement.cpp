@@ -6,6 +6,7 @@
 #include <iterator>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include "core/parallel.h"
 
@@ -60,25 +61,26 @@ bool factorize(const HexTerms& terms, const TermLines& lines, const StripMatrix&
   return factorize(lower, elimination_order(terms), factor);
 }
 
-void set_responses(const MultigridLevel& grid, const HexTerms& terms, float w, TermComplement& S) {
-  S.responses.resize(terms.vectors.size());
+// w D^-1 g of each term
+std::vector<HexTerms::Vector24f> responses_of(const MultigridLevel& grid, const HexTerms& terms, float w) {
+  std::vector<HexTerms::Vector24f> responses(terms.vectors.size());
   parallel_blocks(Eigen::Index(terms.hexes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index h = begin; h < end; ++h) {
       const HexTerms::Hex& hex = terms.hexes[h];
-      std::array<Eigen::Matrix3f, 8> inverses;
+      std::array<Matrix3f, 8> inverses;
       for (int n = 0; n < 8; ++n) inverses[n] = w * inverse_block(grid.inverse, hex.nodes[n]).cast<float>();
       for (int t = hex.first; t < hex.end; ++t)
-        for (int n = 0; n < 8; ++n) S.responses[t].segment<3>(3 * n) = inverses[n] * terms.vectors[t].segment<3>(3 * n);
+        for (int n = 0; n < 8; ++n) responses[t].segment<3>(3 * n) = inverses[n] * terms.vectors[t].segment<3>(3 * n);
     }
   });
+  return responses;
 }
 
 }  // namespace
 
 void set_up(const MultigridLevel& grid, const HexTerms& terms, const VectorXf& own, float w, TermComplement& S) {
-  set_responses(grid, terms, w, S);
   const TermLines lines = lines_of(terms);
-  S.matrix = make_strip_matrix(terms, lines, S.responses, own, grid.op.instruction_set);
+  S.matrix = make_strip_matrix(terms, lines, responses_of(grid, terms, w), own, grid.op.instruction_set);
   S.is_factored = own.size() <= most_factored && factorize(terms, lines, S.matrix, S.factor);
 }
 

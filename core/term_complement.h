@@ -5,8 +5,6 @@
 // nearly singular.
 #pragma once
 
-#include <vector>
-
 #include "core/multigrid.h"
 #include "core/strip_matrix.h"
 #include "core/supernodal_factor.h"
@@ -15,7 +13,6 @@ namespace umax {
 
 struct TermComplement {
   StripMatrix matrix;
-  std::vector<HexTerms::Vector24f> responses;  // w D^-1 g of each term
   bool is_factored = false;
   SupernodalFactor factor;  // of the scaled matrix
 };

@@ -31,10 +31,10 @@ std::array<Weights, 8> restriction_weights(const Vector3i& factor) {
 TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid, TermLevel& fine) {
   const std::vector<HexTerms::Hex>& hexes = fine.terms.hexes;
   const auto parent = [&](int h) -> Vector3i { return hexes[h].cell.cwiseQuotient(fine_grid.factor); };
-  std::vector<std::pair<std::array<int, 4>, int>> order;  // colours and places of parents, and hexes
+  std::vector<std::pair<std::array<int, 3>, int>> order;  // places of parents, and hexes
   for (int h = 0; h < int(hexes.size()); ++h) {
     const Vector3i cell = parent(h);
-    order.push_back({{colour_of(cell), cell[0], cell[1], cell[2]}, h});
+    order.push_back({{cell[0], cell[1], cell[2]}, h});
   }
   std::sort(order.begin(), order.end());
 
@@ -73,10 +73,7 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
     terms.hexes.push_back(hex);
     first = end;
   }
-  int colour = 0;
-  for (std::size_t h = 0; h < terms.hexes.size(); ++h)
-    while (colour <= colour_of(terms.hexes[h].cell)) terms.colour_starts[colour++] = int(h);
-  while (colour <= 8) terms.colour_starts[colour++] = int(terms.hexes.size());
+  index_nodes(coarse_grid.lattice.num_slots(), terms);
   coarse.own = Eigen::Map<const VectorXf>(own.data(), Eigen::Index(own.size()));
   return coarse;
 }
@@ -116,16 +113,11 @@ double weight_of(const MultigridLevel& grid, const TermLevel& level) {
 }
 
 // (x, v) -= (w D^-1 G, G) dy
-void push_back(const TermLevel& level, const VectorXf& dy, AlignedArray<float>& x, AlignedArray<float>& v) {
-  for_each_apart(level.terms, [&](const HexTerms::Hex& hex) {
-    Vector24f of_x = -dy[hex.first] * level.complement.responses[hex.first],
-              of_v = -dy[hex.first] * level.terms.vectors[hex.first];
-    for (int t = hex.first + 1; t < hex.end; ++t) {
-      of_x -= dy[t] * level.complement.responses[t];
-      of_v -= dy[t] * level.terms.vectors[t];
-    }
-    add_at_nodes(hex.nodes, of_x, x);
-    add_at_nodes(hex.nodes, of_v, v);
+void push_back(const MultigridLevel& grid, const TermLevel& level, float w, const VectorXf& dy, AlignedArray<float>& x,
+               AlignedArray<float>& v) {
+  for_each_node(level.terms, dy, [&](int slot, const Vector3f& sum) {
+    add_at_node(slot, -w * (inverse_block(grid.inverse, slot).cast<float>() * sum), x);
+    add_at_node(slot, -sum, v);
   });
 }
 
@@ -136,17 +128,18 @@ VectorXf products(const TermLevel& level, const AlignedArray<float>& x) {
 }
 
 // the multipliers that bring x back to the terms; v: b - G y
-void project(TermLevel& level, const VectorXf& q, AlignedArray<float>& x, AlignedArray<float>& v, VectorXf& y) {
+void project(const MultigridLevel& grid, TermLevel& level, float w, const VectorXf& q, AlignedArray<float>& x,
+             AlignedArray<float>& v, VectorXf& y) {
   const VectorXf dy = solve(level.complement, products(level, x) - q - level.own.cwiseProduct(y));
   y += dy;
-  push_back(level, dy, x, v);
+  push_back(grid, level, w, dy, x, v);
 }
 
 // returns which iterate is current
 int smooth_coupled(MultigridLevel& grid, TermLevel& level, float w, const VectorXf& q, int current,
                    AlignedArray<float>& v, VectorXf& y) {
   chebyshev(grid.op, grid.matrix, grid.inverse, {1, 0, w}, v, grid.x[current], grid.x[1 - current]);
-  project(level, q, grid.x[1 - current], v, y);
+  project(grid, level, w, q, grid.x[1 - current], v, y);
   return 1 - current;
 }
 
@@ -180,7 +173,7 @@ AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::si
   const float w = damping_of(grid);
   const int before = last ? coarsest_smoothings : smoothings;
   jacobi_from_zero(grid, v, w);
-  project(level, q, grid.x[0], v, y);
+  project(grid, level, w, q, grid.x[0], v, y);
   int current = 0;
   for (int i = 1; i < before; ++i) current = smooth_coupled(grid, level, w, q, current, v, y);
   if (last) return grid.x[current];

@@ -6,8 +6,10 @@
 namespace umax {
 
 using Eigen::Matrix3d;
+using Eigen::Matrix3f;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::Vector3f;
 using Eigen::Vector3i;
 using Eigen::VectorXd;
 using Eigen::VectorXf;
