@@ -157,12 +157,4 @@ template void to_bricks(const std::vector<int>&, const VectorXd&, AlignedArray<d
 template void from_bricks(const std::vector<int>&, const AlignedArray<float>&, VectorXd&);
 template void from_bricks(const std::vector<int>&, const AlignedArray<double>&, VectorXd&);
 
-Matrix3d inverse_block(const AlignedArray<float>& inverse, int slot) {
-  const std::size_t at = slot_offset(slot, inverse_components);
-  const auto d = [&](int i) { return double(inverse[at + std::size_t(i) * brick_lanes]); };
-  Matrix3d block;
-  block << d(0), d(1), d(2), d(1), d(3), d(4), d(2), d(4), d(5);
-  return block;
-}
-
 }  // namespace umax

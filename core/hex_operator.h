@@ -4,6 +4,7 @@
 // Deterministic: the same bits for any number of threads; another instruction set gives another rounding.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/aligned_array.h"
@@ -72,7 +73,14 @@ template <class T>
 void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
 
 /// The block D^-1 of the node in a slot, from 6 numbers per node.
-Matrix3d inverse_block(const AlignedArray<float>& inverse, int slot);
+inline Matrix3f inverse_block(const AlignedArray<float>& inverse, int slot) {
+  const float* d = inverse.data() + slot_offset(slot, inverse_components);
+  Matrix3f block;
+  block << d[0], d[brick_lanes], d[2 * brick_lanes],           //
+      d[brick_lanes], d[3 * brick_lanes], d[4 * brick_lanes],  //
+      d[2 * brick_lanes], d[4 * brick_lanes], d[5 * brick_lanes];
+  return block;
+}
 
 /// Values of a hex's nodes, 3 each, from bricks; nodes: slots.
 inline Eigen::Matrix<float, 24, 1> gather_nodes(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
@@ -92,6 +100,15 @@ inline void add_at_node(int slot, const Vector3f& of_node, AlignedArray<float>& 
 inline void add_at_nodes(const std::array<int, 8>& nodes, const Eigen::Matrix<float, 24, 1>& local,
                          AlignedArray<float>& x) {
   for (int n = 0; n < 8; ++n) add_at_node(nodes[n], local.segment<3>(3 * n), x);
+}
+
+/// to = from, on all threads.
+inline void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  for_each_column(lattice, [&](int first, int last) {
+    std::copy(from.data() + first * brick_values, from.data() + last * brick_values, to.data() + first * brick_values);
+    return 0.0;
+  });
 }
 
 /// a . b of node vectors, summed in double and in a fixed order.

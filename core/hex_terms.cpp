@@ -38,26 +38,26 @@ HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, c
     sorted.hexes.back().end = int(sorted.vectors.size());
   }
   sorted.sources = std::move(order);
-  index_nodes(diagonal.size(), sorted);
+  sort_by_nodes(diagonal.size(), sorted);
   return sorted;
 }
 
-void index_nodes(std::size_t num_slots, HexTerms& terms) {
-  std::vector<int> places(num_slots, 0);  // of each node: how many corners it has, then where its next one goes
+void sort_by_nodes(std::size_t num_slots, HexTerms& terms) {
+  std::vector<int> places(num_slots, 0);  // of each node: how many vectors it has, then where its next one goes
   for (const HexTerms::Hex& hex : terms.hexes)
     for (const int slot : hex.nodes) places[slot] += hex.end - hex.first;
   terms.node_slots.clear();
-  terms.corner_starts = {0};
+  terms.node_starts = {0};
   for (std::size_t slot = 0; slot < num_slots; ++slot) {
     if (places[slot] == 0) continue;
-    const int first = terms.corner_starts.back();
+    const int first = terms.node_starts.back();
     terms.node_slots.push_back(int(slot));
-    terms.corner_starts.push_back(first + std::exchange(places[slot], first));
+    terms.node_starts.push_back(first + std::exchange(places[slot], first));
   }
-  terms.corners.resize(8 * terms.vectors.size());
+  terms.at_nodes.resize(8 * terms.vectors.size());
   for (const HexTerms::Hex& hex : terms.hexes)
     for (int t = hex.first; t < hex.end; ++t)
-      for (int n = 0; n < 8; ++n) terms.corners[places[hex.nodes[n]]++] = 8 * t + n;
+      for (int n = 0; n < 8; ++n) terms.at_nodes[places[hex.nodes[n]]++] = {t, terms.vectors[t].segment<3>(3 * n)};
 }
 
 template <class Vector>

@@ -23,9 +23,14 @@ struct HexTerms {
   std::vector<Vector24f> vectors;  // g [sqrt(N/m)], zero at nodes that are not free
   std::vector<int> sources;        // which of the terms handed in each vector is
   VectorXd offsets;
-  std::vector<int> node_slots;     // of the nodes of these hexes, ascending
-  std::vector<int> corner_starts;  // of each of them, and the end
-  std::vector<int> corners;        // 8 vector + corner
+  // the same vectors, by nodes: what pushes nodes reads them one after the other
+  struct AtNode {
+    int vector = 0;
+    Vector3f g = Vector3f::Zero();
+  };
+  std::vector<int> node_slots;   // of the nodes of these hexes, ascending
+  std::vector<int> node_starts;  // into at_nodes, and the end
+  std::vector<AtNode> at_nodes;
 };
 
 /// One term as it is handed in.
@@ -39,8 +44,8 @@ struct HexTerm {
 HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
                         const std::vector<int>& node_slots, const AlignedArray<float>& diagonal);
 
-/// Lists the corners of hexes and vectors by nodes. num_slots: of the lattice.
-void index_nodes(std::size_t num_slots, HexTerms& terms);
+/// Sorts the vectors by nodes. num_slots: of the lattice.
+void sort_by_nodes(std::size_t num_slots, HexTerms& terms);
 
 /// Calls body(slot, G factors there) for every node of hexes with terms.
 template <class Vector, class Body>
@@ -49,10 +54,8 @@ void for_each_node(const HexTerms& terms, const Vector& factors, const Body& bod
   parallel_blocks(Eigen::Index(terms.node_slots.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
       Vector3f sum = Vector3f::Zero();
-      for (int at = terms.corner_starts[i]; at < terms.corner_starts[i + 1]; ++at) {
-        const int t = terms.corners[at] / 8, n = terms.corners[at] % 8;
-        sum += float(factors[t]) * terms.vectors[t].template segment<3>(3 * n);
-      }
+      for (int at = terms.node_starts[i]; at < terms.node_starts[i + 1]; ++at)
+        sum += float(factors[terms.at_nodes[at].vector]) * terms.at_nodes[at].g;
       body(terms.node_slots[i], sum);
     }
   });

@@ -82,13 +82,6 @@ void run(const BrickLattice& lattice, const Call& call) {
   });
 }
 
-void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
-  run(lattice, [&](int first, int last) {
-    std::copy(from.data() + first * brick_values, from.data() + last * brick_values, to.data() + first * brick_values);
-  });
-}
-
 using Restriction = void (*)(const Transfer&, const float* fine, float* coarse, int first, int last);
 
 void restrict_to(const MultigridLevel& fine, const AlignedArray<float>& from, MultigridLevel& coarse,

@@ -17,26 +17,43 @@ using Direction = SaddlePoint::Direction;
 
 constexpr int most_directions = int(std::tuple_size_v<decltype(SaddlePoint::directions)>);
 constexpr double stuck_share = 0.98;  // of the residual's norm, from which its own direction leads nowhere
-constexpr Eigen::Index grain = 8;     // bricks per task
+constexpr Eigen::Index bricks_per_block = 8, terms_per_block = 4096;
 constexpr int line_values = brick_lanes * vector_components;
 
 using Sums = std::array<double, most_directions>;
 
-// Calls body(place of the first value, sums to add to) for the lines that have nodes; the sums, in a fixed order.
+// Calls body(begin, end, sums to add to) for blocks of [0, count), in parallel; the sums, in a fixed order.
 template <class Body>
-Sums sum_over_lines(const BrickLattice& lattice, const Body& body) {
-  const auto count = Eigen::Index(lattice.bricks.size());
+Sums sum_over_blocks(Eigen::Index count, Eigen::Index grain, const Body& body) {
   std::vector<Sums> of_blocks(std::size_t((count + grain - 1) / grain), Sums{});
   parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
-    Sums& sums = of_blocks[std::size_t(begin / grain)];
-    for (Eigen::Index b = begin; b < end; ++b)
-      for (std::uint64_t lines = lattice.bricks[b].node_lines; lines != 0; lines &= lines - 1)
-        body((std::size_t(b) * brick_lines + std::size_t(std::countr_zero(lines))) * line_values, sums);
+    body(begin, end, of_blocks[std::size_t(begin / grain)]);
   });
   Sums total{};
   for (const Sums& sums : of_blocks)
     for (int k = 0; k < most_directions; ++k) total[k] += sums[k];
   return total;
+}
+
+// Calls body(place of the first value, sums to add to) for the lines that have nodes.
+template <class Body>
+Sums sum_over_lines(const BrickLattice& lattice, const Body& body) {
+  const auto of_bricks = [&](Eigen::Index begin, Eigen::Index end, Sums& sums) {
+    for (Eigen::Index b = begin; b < end; ++b)
+      for (std::uint64_t lines = lattice.bricks[b].node_lines; lines != 0; lines &= lines - 1)
+        body((std::size_t(b) * brick_lines + std::size_t(std::countr_zero(lines))) * line_values, sums);
+  };
+  return sum_over_blocks(Eigen::Index(lattice.bricks.size()), bricks_per_block, of_bricks);
+}
+
+// Calls body(of(values), sums to add to) for blocks of the terms, `of` taking the block's part of what is given per
+// term.
+template <class Body>
+Sums sum_over_terms(Eigen::Index count, const Body& body) {
+  const auto of_terms = [&](Eigen::Index begin, Eigen::Index end, Sums& sums) {
+    body([=](auto& values) { return values.segment(begin, end - begin); }, sums);
+  };
+  return sum_over_blocks(count, terms_per_block, of_terms);
 }
 
 double line_product(const float* a, const float* b) {
@@ -58,8 +75,11 @@ Sums shares_of(const BrickLattice& lattice, double weight, const std::vector<con
   Sums shares = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
     for (std::size_t k = 0; k < directions.size(); ++k) sums[k] += line_product(&image[at], &directions[k]->image[at]);
   });
+  const Sums of_terms = sum_over_terms(term_image.size(), [&](const auto& of, Sums& sums) {
+    for (std::size_t k = 0; k < directions.size(); ++k) sums[k] += of(term_image).dot(of(directions[k]->term_image));
+  });
   for (std::size_t k = 0; k < directions.size(); ++k)
-    shares[k] = (shares[k] + weight * term_image.dot(directions[k]->term_image)) / directions[k]->square;
+    shares[k] = (shares[k] + weight * of_terms[k]) / directions[k]->square;
   return shares;
 }
 
@@ -82,11 +102,13 @@ void orthogonalise(const BrickLattice& lattice, double weight, const std::vector
     }
     sums[0] += line_product(&d.image[at], &d.image[at]);
   })[0];
-  for (std::size_t k = 0; k < others.size(); ++k) {
-    d.y -= shares[k] * others[k]->y;
-    d.term_image -= shares[k] * others[k]->term_image;
-  }
-  d.square += weight * d.term_image.squaredNorm();
+  d.square += weight * sum_over_terms(d.y.size(), [&](const auto& of, Sums& sums) {
+                for (std::size_t k = 0; k < others.size(); ++k) {
+                  of(d.y) -= shares[k] * of(others[k]->y);
+                  of(d.term_image) -= shares[k] * of(others[k]->term_image);
+                }
+                sums[0] += of(d.term_image).squaredNorm();
+              })[0];
 }
 
 // Goes along directions with orthogonal images as far as reduces the residual most. Returns the residual's norm.
@@ -100,11 +122,14 @@ double advance(const BrickLattice& lattice, double weight, const std::vector<con
     }
     sums[0] += line_product(&point.residual[at], &point.residual[at]);
   })[0];
-  for (std::size_t k = 0; k < directions.size(); ++k) {
-    point.y += along[k] * directions[k]->y;
-    point.term_residual -= along[k] * directions[k]->term_image;
-  }
-  return std::sqrt(square + weight * point.term_residual.squaredNorm());
+  const double term_square = sum_over_terms(point.y.size(), [&](const auto& of, Sums& sums) {
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      of(point.y) += along[k] * of(directions[k]->y);
+      of(point.term_residual) -= along[k] * of(directions[k]->term_image);
+    }
+    sums[0] += of(point.term_residual).squaredNorm();
+  })[0];
+  return std::sqrt(square + weight * term_square);
 }
 
 }  // namespace
@@ -147,7 +172,7 @@ SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const Sadd
     const AlignedArray<float>& x = precondition(multigrid, coupled, stuck ? last.image : point.residual,
                                                 stuck ? last.term_image : point.term_residual, y);
     Direction& d = point.directions[point.num_directions % most_directions];
-    std::copy(x.begin(), x.end(), d.x.begin());
+    copy(lattice, x, d.x);
     const double size = std::sqrt(std::max(0.0, apply(level.op, level.matrix, d.x, d.image)));
     if (!stuck) error = size;
     if (started == 0) started = error;

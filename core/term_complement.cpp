@@ -68,7 +68,7 @@ std::vector<HexTerms::Vector24f> responses_of(const MultigridLevel& grid, const 
     for (Eigen::Index h = begin; h < end; ++h) {
       const HexTerms::Hex& hex = terms.hexes[h];
       std::array<Matrix3f, 8> inverses;
-      for (int n = 0; n < 8; ++n) inverses[n] = w * inverse_block(grid.inverse, hex.nodes[n]).cast<float>();
+      for (int n = 0; n < 8; ++n) inverses[n] = w * inverse_block(grid.inverse, hex.nodes[n]);
       for (int t = hex.first; t < hex.end; ++t)
         for (int n = 0; n < 8; ++n) responses[t].segment<3>(3 * n) = inverses[n] * terms.vectors[t].segment<3>(3 * n);
     }

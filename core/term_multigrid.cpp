@@ -73,7 +73,7 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
     terms.hexes.push_back(hex);
     first = end;
   }
-  index_nodes(coarse_grid.lattice.num_slots(), terms);
+  sort_by_nodes(coarse_grid.lattice.num_slots(), terms);
   coarse.own = Eigen::Map<const VectorXf>(own.data(), Eigen::Index(own.size()));
   return coarse;
 }
@@ -104,7 +104,7 @@ double weight_of(const MultigridLevel& grid, const TermLevel& level) {
   for (const HexTerms::Hex& hex : level.terms.hexes)
     for (const int node : hex.nodes) {
       if (!(grid.matrix.diagonal[node] > 0)) continue;
-      sum += inverse_block(grid.inverse, node).trace() / 3;
+      sum += double(inverse_block(grid.inverse, node).trace()) / 3;
       ++count;
     }
   if (count == 0) return 1;
@@ -116,7 +116,7 @@ double weight_of(const MultigridLevel& grid, const TermLevel& level) {
 void push_back(const MultigridLevel& grid, const TermLevel& level, float w, const VectorXf& dy, AlignedArray<float>& x,
                AlignedArray<float>& v) {
   for_each_node(level.terms, dy, [&](int slot, const Vector3f& sum) {
-    add_at_node(slot, -w * (inverse_block(grid.inverse, slot).cast<float>() * sum), x);
+    add_at_node(slot, -w * (inverse_block(grid.inverse, slot) * sum), x);
     add_at_node(slot, -sum, v);
   });
 }
@@ -226,7 +226,7 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, TermMultigrid& cou
     y.resize(0);
     return precondition(multigrid, r, product);
   }
-  std::copy(r.begin(), r.end(), coupled.rest.begin());
+  copy(multigrid.levels.front().lattice, r, coupled.rest);
   VectorXf of_terms;
   const AlignedArray<float>& x = cycle(multigrid, coupled, 0, coupled.rest, q.cast<float>(), of_terms);
   y = of_terms.cast<double>();

@@ -168,7 +168,7 @@ MatrixXd dense_complement(const BodyGrid& grid) {
     from_bricks(grid.node_slots, pushes, force);
     for (std::size_t n = 0; n < grid.node_slots.size(); ++n) {
       auto at_node = force.segment<3>(3 * Eigen::Index(n));
-      at_node = (w * inverse_block(level.inverse, grid.node_slots[n]) * at_node).eval();
+      at_node = (w * inverse_block(level.inverse, grid.node_slots[n]).cast<double>() * at_node).eval();
     }
     to_bricks(grid.node_slots, force, moves);
     VectorXd products(count);
