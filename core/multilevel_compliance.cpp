@@ -117,7 +117,8 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
   }
   for (std::size_t l = 0; l < num_single; ++l) {
     const int first = int(compliance.inverses.size());
-    for (const int slot : numberings[l].slots()) compliance.inverses.push_back(inverse_block(levels[l].inverse, slot).cast<double>());
+    for (const int slot : numberings[l].slots())
+      compliance.inverses.push_back(inverse_block(levels[l].inverse, slot).cast<double>());
     for (const int i : of_body)
       for (int& node : compliance.points[i].shares[l].nodes) node += first;
   }

@@ -24,7 +24,8 @@ namespace {
 //               452 MB (51,000); 22,500 (a sheet, one cell thick) 419 MB; 20,000 (a rod of single cells) 1,110 MB
 constexpr double program_bytes = 100e6;           // with no body
 constexpr double bytes_per_vertex = 700;          // the figure with 365 hexes and 116,000 of them: 183 MB
-constexpr double bytes_per_hex = 2700;            // cage, model, limits
+constexpr double bytes_per_hex = 2200;            // cage, model, limits
+constexpr double state_bytes_per_hex = 500;       // of the direct solver: what its matrix is made of
 constexpr double multigrid_bytes_per_slot = 600;  // its levels and directions
 constexpr double multigrid_bytes_per_hex = 300;   // limits at work
 constexpr double slots_per_node = 1.2;            // of a compact body
@@ -192,7 +193,7 @@ double lattice_memory(const JobSize& size) {
     bytes += bytes_per_hex * body.hexes;
     if (body.irregular) bytes += bytes_per_irregular_hex * body.hexes;
     bytes += size.multigrid ? multigrid_bytes_per_slot * body.slots + multigrid_bytes_per_hex * body.hexes
-                            : factor_memory(body);
+                            : factor_memory(body) + state_bytes_per_hex * body.hexes;
   }
   return bytes;
 }

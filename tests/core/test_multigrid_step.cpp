@@ -210,6 +210,19 @@ TEST_CASE("contacts that all miss a little of their forces do not let a body sin
   CHECK(depth <= 0.6 * sunk);
 }
 
+TEST_CASE("where no matrix is assembled hexes are evaluated alike, and nothing more is kept of them") {
+  Impact impact;
+  const Evaluation& with = impact.iterate.evaluation;
+  REQUIRE(with.hexes.size() == std::size_t(impact.model.num_hexes()));
+  impact.problem.is_assembled = false;
+  Evaluation without;
+  evaluate(impact.problem, impact.iterate.positions, without);
+  CHECK(without.hexes.empty());
+  CHECK(without.elastic == with.elastic);
+  CHECK(without.energy == with.energy);
+  CHECK(without.internal == with.internal);
+}
+
 TEST_CASE("a step on multigrids is bit-identical for 1 and 2 threads") {
   const Model model = thrown_sphere();
   const auto with = [&](std::size_t threads) {
