@@ -172,7 +172,7 @@ TEST_CASE("limits hold in a linearised step on multigrids, however often its con
 TEST_CASE("with contacts linear systems are solved the more exactly the faster the residual falls") {
   const auto iterations = [](double kkt_fall) {
     Impact impact;
-    impact.report.kkt_residual = 1e-2;
+    impact.report.kkt_residual = 0.3;  // its contacts settle at once
     impact.iterate.kkt_fall = kkt_fall;
     impact.minimise();
     return impact.report.linear_iterations;
