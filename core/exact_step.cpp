@@ -23,7 +23,6 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 constexpr int normal_updates = 6;             // iterations after which contacts keep their normals
-constexpr double to_and_fro_share = 0.5;      // of a step where they go to and fro
 
 // displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
@@ -144,7 +143,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
   // what comes after failure is dearer without a factor, dearest where little was missing
   const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
   const int most_near = multigrid ? 3 * solver.max_newton_iterations : most;
-  VectorXd last_step;             // 3 #N [m], of multigrids, where it was taken as a whole
+  TakenStep last;                 // of multigrids
   std::vector<double> residuals;  // KKT, of each iterate
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
@@ -175,15 +174,11 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     iterate.last_move = largest_move(model, newton.step);
     const double share = bearable_share(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
-    double factor = share;
-    if (share == 1 && quality.kkt > solver.tolerance && goes_to_and_fro(residuals, newton.step, last_step))
-      factor = to_and_fro_share;
-    else if (share == 1)
-      factor = correction(newton.step, last_step);
-    const double moved = factor > 1 ? factor * bearable_share(model, factor * newton.step) : factor;
+    const bool balanced = quality.kkt <= solver.tolerance;
+    const double moved = step_factor(model, newton.step, share, balanced, residuals, last);
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);
-    last_step = multigrid && moved == 1 ? std::move(newton.step) : VectorXd();
+    last = multigrid ? taken_step(std::move(newton.step), moved) : TakenStep{};
   }
 }
 

@@ -9,7 +9,9 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index largest_dense = 166;          // nodes that are factored without coarsening them further
+// nodes that are factored without coarsening them further: of few hexes, and at most of many
+constexpr Eigen::Index least_dense = 166, most_dense = 1000;
+constexpr Eigen::Index nodes_per_dense = 1000;       // of the finest level, for which one more is worth it
 constexpr Eigen::Index largest_stalled_dense = 600;  // the same where coarsening no longer removes nodes
 constexpr double stalled = 0.9;                      // share of the nodes that is left
 constexpr double interval = 8;                       // the smoother's: largest over smallest eigenvalue
@@ -241,6 +243,8 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
   Multigrid multigrid;
   multigrid.local_contrast = options.local_contrast;
   multigrid.levels.emplace_back().lattice = std::move(lattice);
+  const Eigen::Index largest_dense =
+      std::clamp(multigrid.levels.front().lattice.num_nodes / nodes_per_dense, least_dense, most_dense);
   while (multigrid.levels.back().lattice.num_nodes > largest_dense) {
     MultigridLevel& fine = multigrid.levels.back();
     fine.factor = coarsening_factor(fine.lattice.cell_size);
@@ -251,7 +255,7 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
     multigrid.levels.emplace_back().lattice = std::move(coarse);
   }
   const BrickLattice& last = multigrid.levels.back().lattice;
-  multigrid.has_dense = last.num_nodes <= largest_stalled_dense;
+  multigrid.has_dense = last.num_nodes <= std::max(largest_dense, largest_stalled_dense);
   if (multigrid.has_dense) for_each_set(last.node_masks, [&](int slot) { multigrid.dense_slots.push_back(slot); });
 
   // operators keep the lattices' addresses: the list of levels must be complete

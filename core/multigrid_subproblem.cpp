@@ -14,12 +14,11 @@ constexpr double clear_share = 0.3;  // [-] of the depth that a solution may hav
 constexpr double left_share = 0.5;
 constexpr int max_corrections = 12;
 constexpr int max_clearings = 3;       // of these, where forces have settled and only depths are left to bring down
-constexpr double telling_fall = 0.25;  // [-] of the error, from which a solve shows a response to what was changed
-// [-] Fall of the residual in a solve that others follow: what it leaves over spoils what is learnt of the response to
-// forces, and forces that contacts change raise it again.
-constexpr double finest_fall = 0.01, coarsest_fall = 0.05;
-constexpr double response_margin = 0.3;  // share of the bearable error that one may leave
-constexpr int max_contact_rounds = 6;    // detections per linearisation
+constexpr double telling_fall = 0.35;  // [-] of the error, from which a solve shows a response to what was changed
+// [-] Fall of the error in a solve that corrections of contacts follow, and in these: what the first one leaves over
+// spoils what is learnt of the response to forces, and what corrections leave over the next ones make good.
+constexpr double first_fall = 0.05, correction_fall = 0.15;
+constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;  // of what is bearable
 
@@ -109,10 +108,10 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
     const bool balanced = missing <= bearable, settled = balanced && is_clear(problem, iterate, rows, w, allowed);
     if (settled && solved) return;
-    const double fall = settled ? 0 : std::clamp(response_margin * bearable / missing, finest_fall, coarsest_fall);
     solution.forces = forces;
     add_contact_forces(model, iterate.contacts, change, system);
-    const SaddlePointReport linear = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report);
+    const SaddlePointReport linear =
+        improve({.tolerance = accuracy.linear, .reduction = correction_fall}, system, report);
     solution.error = linear.error;
     solved = settled || solution.error <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
@@ -135,7 +134,7 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
   begin(model, push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force), system);
-  const double fall = iterate.contacts.empty() ? 0 : coarsest_fall;
+  const double fall = iterate.contacts.empty() ? 0 : first_fall;
   solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
   NewtonStep newton;
   for (int round = 0; round < max_contact_rounds; ++round) {

@@ -74,8 +74,8 @@ class Numbering {
   std::vector<int> slots_;
 };
 
-// A^-1 between nodes of the last level
-MatrixXd last_inverse(const Multigrid& multigrid, const std::vector<int>& slots) {
+// (A + G C^-1 G^T)^-1 between nodes of the last level
+MatrixXd last_inverse(const Multigrid& multigrid, const TermMultigrid& terms, const std::vector<int>& slots) {
   const std::vector<int>& all = multigrid.dense_slots;
   std::vector<Eigen::Index> rows;
   for (const int slot : slots) rows.push_back(std::lower_bound(all.begin(), all.end(), slot) - all.begin());
@@ -87,6 +87,11 @@ MatrixXd last_inverse(const Multigrid& multigrid, const std::vector<int>& slots)
   MatrixXd inverse(columns.cols(), columns.cols());
   for (std::size_t i = 0; i < slots.size(); ++i)
     inverse.middleRows<3>(3 * Eigen::Index(i)) = columns.middleRows<3>(3 * rows[i]);
+  if (!terms.has_dense) return inverse;
+  MatrixXd responses(inverse.rows(), terms.responses.cols());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    responses.middleRows<3>(3 * Eigen::Index(i)) = terms.responses.middleRows<3>(3 * rows[i]);
+  inverse -= responses * terms.dense.solve(responses.transpose());
   return inverse;
 }
 
@@ -123,7 +128,7 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
       for (int& node : compliance.points[i].shares[l].nodes) node += first;
   }
   if (!grid.multigrid.has_dense) return;
-  const MatrixXd last = last_inverse(grid.multigrid, numberings.back().slots());
+  const MatrixXd last = last_inverse(grid.multigrid, grid.terms, numberings.back().slots());
   compliance.last_rows[body] = last.rows();
   for (const int i : of_body) {
     MultilevelCompliance::Point& point = compliance.points[i];

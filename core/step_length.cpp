@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/parallel.h"
@@ -18,6 +19,8 @@ constexpr double worth_correcting = 0.4;  // [-] share of the step before
 constexpr double largest_correction = 8;  // times the step
 constexpr std::size_t patience = 4;       // iterations
 constexpr double slow_fall = 0.5;         // of the residual, in as many
+constexpr double to_and_fro_share = 0.5;  // of a step where they go to and fro
+constexpr double nearly_whole = 0.9;      // share of a step: a few hexes that are eased may cost a little of it
 constexpr Eigen::Index hexes_per_block = 64;
 
 // [cells^2] of the node that moves farthest from the hex's mean motion
@@ -100,17 +103,30 @@ void ease(const Model& model, VectorXd& step) {
   }
 }
 
-double correction(const VectorXd& step, const VectorXd& before) {
-  if (before.size() == 0) return 1;
-  const double along = step.dot(before), share = along / before.squaredNorm();
-  if (std::abs(along) < same_direction * step.norm() * before.norm() || std::abs(share) < worth_correcting) return 1;
-  return 1 / (1 - std::min(share, 1 - 1 / largest_correction));
+TakenStep taken_step(VectorXd step, double factor) {
+  return factor >= nearly_whole && factor <= 1 ? TakenStep{std::move(step), factor} : TakenStep{};
 }
 
-bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const VectorXd& before) {
-  if (before.size() == 0 || residuals.size() <= 2 * patience) return false;
+double correction(const VectorXd& step, const TakenStep& before) {
+  if (before.step.size() == 0) return 1;
+  const double along = step.dot(before.step), share = along / before.step.squaredNorm();
+  if (std::abs(along) < same_direction * step.norm() * before.step.norm() || std::abs(share) < worth_correcting)
+    return 1;
+  return before.factor / (1 - std::min(share, 1 - 1 / largest_correction));
+}
+
+bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const TakenStep& before) {
+  if (before.step.size() == 0 || residuals.size() <= 2 * patience) return false;
   const double fall = residuals.back() / residuals[residuals.size() - 1 - patience];
-  return fall > slow_fall && step.dot(before) < 0;
+  return fall > slow_fall && step.dot(before.step) < 0;
+}
+
+double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
+                   const std::vector<double>& residuals, const TakenStep& before) {
+  if (bearable < nearly_whole) return bearable;
+  if (!balanced && goes_to_and_fro(residuals, step, before)) return to_and_fro_share;
+  const double factor = correction(step, before);
+  return factor > 1 ? factor * bearable_share(model, factor * step) : std::min(factor, bearable);
 }
 
 }  // namespace umax

@@ -18,13 +18,27 @@ double bearable_share(const Model& model, const VectorXd& step);
 /// so that they do not hold up all others. Where it does so to many, they are left to bearable_share().
 void ease(const Model& model, VectorXd& step);
 
+/// A step of 3 #N [m] and how much of it was taken; empty: there is none to compare the next one with.
+struct TakenStep {
+  VectorXd step;
+  double factor = 1;
+};
+
+/// Empty where a step was cut by more than a tenth, or extended: the next one says nothing of the iteration then.
+TakenStep taken_step(VectorXd step, double factor);
+
 /// Aitken's factor on a step along the one before, each the same share of the last: the multigrids' matrix, which lacks
 /// what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and fro) and too stiff
 /// under compression (they creep). 1 elsewhere, and where before is empty.
-double correction(const VectorXd& step, const VectorXd& before);
+double correction(const VectorXd& step, const TakenStep& before);
 
 /// Does an iteration hardly get on, and undo in part what the one before did? Then hexes in a knot turn to and fro
 /// between two places, and half a step lets them go. residuals: of all iterates so far.
-bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const VectorXd& before);
+bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const TakenStep& before);
+
+/// How much of a step is taken: the bearable share, corrected where that is nearly all of it. balanced: no force is
+/// missing at the iterate.
+double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
+                   const std::vector<double>& residuals, const TakenStep& before);
 
 }  // namespace umax

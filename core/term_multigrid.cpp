@@ -202,6 +202,7 @@ void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) 
   coupled.levels.emplace_back().terms = std::move(terms);
   const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
   coupled.levels.front().own = VectorXf::Ones(count);
+  coupled.has_dense = false;
   if (count == 0) return;
   for (std::size_t depth = 1; depth < multigrid.levels.size(); ++depth) {
     TermLevel coarse = coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());

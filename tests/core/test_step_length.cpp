@@ -79,12 +79,32 @@ TEST_CASE("a step that distorts many hexes is left to be cut as a whole") {
 TEST_CASE("steps along the last one are stretched where they creep, cut where they go to and fro") {
   const VectorXd before = VectorXd::LinSpaced(30, -1, 2);
   CHECK(correction(before, {}) == 1);
-  CHECK(correction(0.5 * before, before) == Approx(2.0));
-  CHECK(correction(-0.9 * before, before) == Approx(1 / 1.9));
-  CHECK(correction(0.3 * before, before) == 1);            // falls fast by itself
-  CHECK(correction(1.2 * before, before) == Approx(8.0));  // bounded
+  CHECK(correction(0.5 * before, {before}) == Approx(2.0));
+  CHECK(correction(-0.9 * before, {before}) == Approx(1 / 1.9));
+  CHECK(correction(0.3 * before, {before}) == 1);            // falls fast by itself
+  CHECK(correction(1.2 * before, {before}) == Approx(8.0));  // bounded
   VectorXd across = before.reverse();
-  CHECK(correction(across, before) == 1);
+  CHECK(correction(across, {before}) == 1);
+}
+
+TEST_CASE("a step of which nine tenths were taken tells the next one's length exactly, one that was cut more nothing") {
+  constexpr double overshoot = 1.9, taken = 0.9;  // each step is -1.9 times the error
+  const VectorXd error = VectorXd::LinSpaced(30, -1, 2), left = (1 - overshoot * taken) * error;
+  CHECK(correction(-overshoot * left, taken_step(-overshoot * error, taken)) == Approx(1 / overshoot));
+  CHECK(correction(-overshoot * left, taken_step(-overshoot * error, 0.8)) == 1);
+  CHECK(correction(-overshoot * left, taken_step(-overshoot * error, 1.5)) == 1);
+}
+
+TEST_CASE("steps to and fro are cut where easing has left nearly all of them bearable") {
+  const Model model = make_model({test::make_block({2, 2, 2}, Vector3d::Zero(), cell)}, {});
+  const VectorXd before = VectorXd::LinSpaced(3 * model.num_nodes(), -0.01 * cell, 0.01 * cell);
+  const TakenStep last = taken_step(before, 0.99);
+  const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9};
+  CHECK(step_factor(model, -before, 0.99, true, stuck, last) == Approx(0.99 / 2));  // along the line
+  CHECK(step_factor(model, -0.3 * before, 0.99, false, stuck, last) == 0.5);
+  CHECK(step_factor(model, -0.3 * before, 0.99, true, stuck, last) == 0.99);
+  CHECK(step_factor(model, -before, 0.6, false, stuck, last) == 0.6);
+  CHECK(step_factor(model, 0.5 * before, 1, true, stuck, last) == Approx(0.99 / 0.5));
 }
 
 TEST_CASE("an iteration goes to and fro where it undoes its last step and its residual hardly falls") {
@@ -92,9 +112,9 @@ TEST_CASE("an iteration goes to and fro where it undoes its last step and its re
   const VectorXd back = -0.3 * before, on = 0.3 * before;
   const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9}, falling{8, 4, 2, 1, 1, 1, 1, 1, 0.4},
       young(stuck.begin() + 1, stuck.end());
-  CHECK(goes_to_and_fro(stuck, back, before));
-  CHECK_FALSE(goes_to_and_fro(stuck, on, before));
+  CHECK(goes_to_and_fro(stuck, back, {before}));
+  CHECK_FALSE(goes_to_and_fro(stuck, on, {before}));
   CHECK_FALSE(goes_to_and_fro(stuck, back, {}));
-  CHECK_FALSE(goes_to_and_fro(falling, back, before));
-  CHECK_FALSE(goes_to_and_fro(young, back, before));
+  CHECK_FALSE(goes_to_and_fro(falling, back, {before}));
+  CHECK_FALSE(goes_to_and_fro(young, back, {before}));
 }
