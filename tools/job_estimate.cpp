@@ -20,7 +20,7 @@ namespace {
 // Measured on two cores (AMD EPYC), `umax simulate` of figure and beam, peak of the whole process:
 //   direct      2,996 hexes 234 MB (380 MB with 54 contacts), 10,000 451 MB, 27,000 (a cube) 1,047 MB, 30,001
 //               1,346 MB, 97,336 (a cube) 5,065 MB, 99,666 (a bar) 3,430 MB
-//   multigrid   100,003 hexes 669 MB (27,900 of them at their limits), 1,000,053 3,580 MB (259,000); 91,125 (a cube)
+//   multigrid   100,003 hexes 576 MB (27,900 of them at their limits), 1,000,053 3,409 MB (279,500); 91,125 (a cube)
 //               452 MB (51,000); 22,500 (a sheet, one cell thick) 419 MB; 20,000 (a rod of single cells) 1,110 MB
 constexpr double program_bytes = 100e6;           // with no body
 constexpr double bytes_per_vertex = 700;          // the figure with 365 hexes and 116,000 of them: 183 MB
