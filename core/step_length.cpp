@@ -17,9 +17,10 @@ constexpr int easing_sweeps = 40;
 constexpr double same_direction = 0.95;   // cosine between steps of one motion
 constexpr double worth_correcting = 0.4;  // [-] share of the step before
 constexpr double largest_correction = 8;  // times the step
-constexpr std::size_t patience = 4;       // iterations
+constexpr double large_move = 0.2;        // [cells] smaller steps may be leaving a saddle, slowly at first
+constexpr std::size_t patience = 4;       // iterations; twice as many where steps do not undo each other
 constexpr double slow_fall = 0.5;         // of the residual, in as many
-constexpr double to_and_fro_share = 0.5;  // of a step where they go to and fro
+constexpr double careful_share = 0.5;     // of a step where it hardly falls
 constexpr double nearly_whole = 0.9;      // share of a step: a few hexes that are eased may cost a little of it
 constexpr Eigen::Index hexes_per_block = 64;
 
@@ -55,6 +56,12 @@ void pull_together(const Model& model, const VectorXd& step, int hex, double sha
     if (changed_by[node]++ == 0) nodes.push_back(node);
     changes.row(node) += share * (mean - step.segment<3>(3 * node)).transpose();
   }
+}
+
+// Has the residual hardly fallen in the last iterations? The first ones, which look for contacts, do not count.
+bool hardly_falls(const std::vector<double>& residuals, std::size_t iterations) {
+  if (residuals.size() <= iterations + patience) return false;
+  return residuals.back() > slow_fall * residuals[residuals.size() - 1 - iterations];
 }
 
 }  // namespace
@@ -116,16 +123,19 @@ double correction(const VectorXd& step, const TakenStep& before) {
 }
 
 bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const TakenStep& before) {
-  if (before.step.size() == 0 || residuals.size() <= 2 * patience) return false;
-  const double fall = residuals.back() / residuals[residuals.size() - 1 - patience];
-  return fall > slow_fall && step.dot(before.step) < 0;
+  return before.step.size() > 0 && hardly_falls(residuals, patience) && step.dot(before.step) < 0;
+}
+
+bool wanders(const std::vector<double>& residuals) {
+  return hardly_falls(residuals, 2 * patience);
 }
 
 double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
                    const std::vector<double>& residuals, const TakenStep& before) {
   if (bearable < nearly_whole) return bearable;
-  if (!balanced && goes_to_and_fro(residuals, step, before)) return to_and_fro_share;
+  if (!balanced && goes_to_and_fro(residuals, step, before)) return careful_share;
   const double factor = correction(step, before);
+  if (!balanced && factor == 1 && wanders(residuals) && largest_move(model, step) > large_move) return careful_share;
   return factor > 1 ? factor * bearable_share(model, factor * step) : std::min(factor, bearable);
 }
 

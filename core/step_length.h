@@ -36,6 +36,11 @@ double correction(const VectorXd& step, const TakenStep& before);
 /// between two places, and half a step lets them go. residuals: of all iterates so far.
 bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const TakenStep& before);
 
+/// Has an iteration not got on for long? Then whole large steps, each a little too long for what is linear in it, lead
+/// from one buckled shape to another, and half steps into the nearest. Small ones leave a saddle: half of them would
+/// stay there. residuals: of all iterates so far.
+bool wanders(const std::vector<double>& residuals);
+
 /// How much of a step is taken: the bearable share, corrected where that is nearly all of it. balanced: no force is
 /// missing at the iterate.
 double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,

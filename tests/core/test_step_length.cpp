@@ -118,3 +118,25 @@ TEST_CASE("an iteration goes to and fro where it undoes its last step and its re
   CHECK_FALSE(goes_to_and_fro(falling, back, {before}));
   CHECK_FALSE(goes_to_and_fro(young, back, {before}));
 }
+
+TEST_CASE("half steps are taken where large ones have not got on for long, whole ones elsewhere") {
+  const Model model = make_model({test::make_block({2, 2, 2}, Vector3d::Zero(), cell)}, {});
+  const VectorXd step = VectorXd::Constant(3 * model.num_nodes(), 0.2 * cell), small = 0.5 * step;  // 0.35, 0.17 cells
+  const std::vector<double> landing{1, 0.5, 0.2, 0.1}, wandering{0.05, 0.2, 0.1, 0.3, 0.1, 0.07, 0.1, 0.2, 0.06},
+      falling{0.05, 0.2, 0.1, 0.3, 0.1, 0.07, 0.05, 0.04, 0.02};
+  const auto after_landing = [&](const std::vector<double>& residuals) {
+    std::vector<double> all = landing;
+    all.insert(all.end(), residuals.begin(), residuals.end());
+    return all;
+  };
+  CHECK(wanders(after_landing(wandering)));
+  CHECK_FALSE(wanders(after_landing(falling)));
+  CHECK_FALSE(wanders(wandering));  // may still be looking for its contacts
+  CHECK(step_factor(model, step, 1, false, after_landing(wandering), {}) == 0.5);
+  CHECK(step_factor(model, small, 1, false, after_landing(wandering), {}) == 1);  // may have begun to slide
+  CHECK(step_factor(model, step, 1, false, after_landing(falling), {}) == 1);
+  CHECK(step_factor(model, step, 1, true, after_landing(wandering), {}) == 1);  // only constraints are to be met
+  CHECK(step_factor(model, step, 0.3, false, after_landing(wandering), {}) == 0.3);
+  const TakenStep creeping = taken_step(2 * step, 1);
+  CHECK(step_factor(model, step, 1, false, after_landing(wandering), creeping) == Approx(2.0));
+}
