@@ -145,6 +145,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
   const int most_near = multigrid ? 3 * solver.max_newton_iterations : most;
   TakenStep last;                 // of multigrids
   std::vector<double> residuals;  // KKT, of each iterate
+  bool been_near = false;
   while (true) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     if (report.sqp_iterations < normal_updates)
@@ -158,8 +159,8 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     residuals.push_back(quality.kkt);
     tell(problem, report.sqp_iterations, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
-    const bool is_near = quality.kkt <= near_solution * solver.tolerance;
-    if (report.sqp_iterations >= (is_near ? most_near : most)) return false;
+    been_near = been_near || quality.kkt <= near_solution * solver.tolerance;
+    if (report.sqp_iterations >= (been_near ? most_near : most)) return false;
     ++report.sqp_iterations;
     const Linearisation at{sequential_limit_terms(problem, multigrid, iterate), {}};  // contacts are solved for apart
     NewtonStep newton;

@@ -8,10 +8,11 @@
 namespace umax {
 namespace {
 
-constexpr double clear_share = 0.3;  // [-] of the depth that a solution may have
+constexpr double clear_share = 0.6;  // [-] of the depth that a solution may have
 // [-] Of the iterate's deepest contact, how deep one may be after a step that is not the last: where thousands are a
 // little too deep, corrections that bring all of them up at once are no response of single contacts.
 constexpr double left_share = 0.5;
+constexpr double moved_share = 0.05;  // [-] nor need it be less deep than this share of how far contacts move
 constexpr int max_corrections = 12;
 constexpr int max_clearings = 3;       // of these, where forces have settled and only depths are left to bring down
 constexpr double telling_fall = 0.35;  // [-] of the error, from which a solve shows a response to what was changed
@@ -21,21 +22,26 @@ constexpr double first_fall = 0.05, correction_fall = 0.15;
 constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;  // of what is bearable
+constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
 
-// How exactly a subproblem is solved.
+// How a subproblem is solved, and how exactly.
 struct Accuracy {
-  double linear = 0;   // [-] of the linear system
-  double settled = 0;  // [-] change of the forces at which contacts are solved
-  bool final = false;  // contacts must be as shallow as the solution's
+  double linear = 0;       // [-] of the linear system
+  double settled = 0;      // [-] change of the forces at which contacts are solved
+  bool final = false;      // contacts must be as shallow as the solution's
+  bool restoring = false;  // forces are in balance: only constraints are restored
 };
 
 // The linear system is solved no more exactly than the last iteration has shown to be of use (Eisenstat and Walker
 // 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
 // iterate is to the step's solution.
 Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
-  return {.linear = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05),
+  const bool restoring = kkt_residual <= tolerance;
+  const double foretold = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05);
+  return {.linear = restoring ? restoring_accuracy : foretold,
           .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
-          .final = kkt_residual <= near_solution * tolerance};
+          .final = kkt_residual <= near_solution * tolerance,
+          .restoring = restoring};
 }
 
 // Forces [N], 3 per contact, and the error [-] that is left in the linear system with them.
@@ -96,7 +102,9 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
   VectorXd fixed;
   const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
   VectorXd motions = contact_motions(model, iterate.contacts, system);
-  const double allowed = accuracy.final ? 0 : left_share * deepest(iterate.contacts);
+  const double allowed = accuracy.final ? 0
+                                        : std::max(left_share * deepest(iterate.contacts),
+                                                   moved_share * motions.lpNorm<Eigen::Infinity>());
   bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
   int num_clearings = 0;
   for (int i = 0; i < max_corrections; ++i) {
@@ -108,16 +116,18 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
     const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
     const bool balanced = missing <= bearable, settled = balanced && is_clear(problem, iterate, rows, w, allowed);
     if (settled && solved) return;
-    solution.forces = forces;
-    add_contact_forces(model, iterate.contacts, change, system);
+    if (!settled) {
+      solution.forces = forces;
+      add_contact_forces(model, iterate.contacts, change, system);
+    }
     const SaddlePointReport linear =
-        improve({.tolerance = accuracy.linear, .reduction = correction_fall}, system, report);
+        improve({.tolerance = accuracy.linear, .reduction = settled ? 0 : correction_fall}, system, report);
     solution.error = linear.error;
     solved = settled || solution.error <= accuracy.linear;
     if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
     if (balanced && ++num_clearings == max_clearings && solved) return;
     const VectorXd moved = contact_motions(model, iterate.contacts, system);
-    if (linear.error <= telling_fall * linear.started) learn(change, moved - motions, compliance);
+    if (!settled && linear.error <= telling_fall * linear.started) learn(change, moved - motions, compliance);
     motions = moved;
   }
   if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report).error;
@@ -133,7 +143,8 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
-  begin(model, push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force), system);
+  const VectorXd missing = push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force);
+  begin(model, accuracy.restoring ? VectorXd(VectorXd::Zero(missing.size())) : missing, system);
   const double fall = iterate.contacts.empty() ? 0 : first_fall;
   solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
   NewtonStep newton;

@@ -4,6 +4,10 @@
 // Proximal iterations: the contacts are solved against the multilevel compliance (core/multilevel_compliance.h) instead
 // of J K^-1 J^T. The linear system is then solved on with the change of the forces, from which the compliance learns;
 // what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them all.
+//
+// Where the iterate's forces are in balance and only limits or contacts miss their tolerance, the right-hand side of
+// forces is left out: the step is the least one, in the matrix's norm, that restores them. What is left of forces would
+// slide along soft modes and bring other hexes beyond their limits.
 #pragma once
 
 #include "core/newton_system.h"

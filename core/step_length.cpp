@@ -15,7 +15,7 @@ constexpr double watched_share = 0.5;        // of that, from which easing other
 constexpr double few = 0.02;                 // of the hexes: where more are distorted that much, the step is to blame
 constexpr int easing_sweeps = 40;
 constexpr double same_direction = 0.95;   // cosine between steps of one motion
-constexpr double worth_correcting = 0.4;  // [-] share of the step before
+constexpr double worth_correcting = 0.4;  // [-] of the curvature that the matrix has
 constexpr double largest_correction = 8;  // times the step
 constexpr double large_move = 0.2;        // [cells] smaller steps may be leaving a saddle, slowly at first
 constexpr std::size_t patience = 4;       // iterations; twice as many where steps do not undo each other
@@ -111,15 +111,15 @@ void ease(const Model& model, VectorXd& step) {
 }
 
 TakenStep taken_step(VectorXd step, double factor) {
-  return factor >= nearly_whole && factor <= 1 ? TakenStep{std::move(step), factor} : TakenStep{};
+  return factor >= careful_share ? TakenStep{std::move(step), factor} : TakenStep{};
 }
 
 double correction(const VectorXd& step, const TakenStep& before) {
   if (before.step.size() == 0) return 1;
-  const double along = step.dot(before.step), share = along / before.step.squaredNorm();
-  if (std::abs(along) < same_direction * step.norm() * before.step.norm() || std::abs(share) < worth_correcting)
-    return 1;
-  return before.factor / (1 - std::min(share, 1 - 1 / largest_correction));
+  const double along = step.dot(before.step), square = before.step.squaredNorm();
+  if (std::abs(along) < same_direction * step.norm() * before.step.norm()) return 1;
+  const double curvature = (1 - along / square) / before.factor;  // [-] the true one over the matrix's
+  return std::abs(1 - curvature) < worth_correcting ? 1 : 1 / std::max(curvature, 1 / largest_correction);
 }
 
 bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step, const TakenStep& before) {
@@ -132,10 +132,10 @@ bool wanders(const std::vector<double>& residuals) {
 
 double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
                    const std::vector<double>& residuals, const TakenStep& before) {
-  if (bearable < nearly_whole) return bearable;
-  if (!balanced && goes_to_and_fro(residuals, step, before)) return careful_share;
+  if (balanced || bearable < nearly_whole) return bearable;
+  if (goes_to_and_fro(residuals, step, before)) return careful_share;
   const double factor = correction(step, before);
-  if (!balanced && factor == 1 && wanders(residuals) && largest_move(model, step) > large_move) return careful_share;
+  if (factor == 1 && wanders(residuals) && largest_move(model, step) > large_move) return careful_share;
   return factor > 1 ? factor * bearable_share(model, factor * step) : std::min(factor, bearable);
 }
 

@@ -210,6 +210,30 @@ TEST_CASE("contacts that all miss a little of their forces do not let a body sin
   CHECK(depth <= 0.6 * sunk);
 }
 
+TEST_CASE("where forces are in balance and constraints hold a step on multigrids moves nothing") {
+  const auto step_at = [](double kkt_residual) {
+    Body block = test::make_block({8, 3, 8}, {0, 1, 0}, 0.05);
+    block.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.2};
+    const Model model = make_model({block}, {test::make_ground(0.5)});
+    const ContactGeometry geometry = make_contact_geometry(model);
+    const StepOptions options{.time_step = 0.01};
+    State state = rest_state(model);
+    state.velocities(0, 0) = 1e-3;  // is not where the predictor leaves it
+    const StepProblem problem = begin_step(model, options, geometry, state);
+    Iterate iterate = predict(problem, state);
+    evaluate(problem, iterate.positions, iterate.evaluation);
+    Workspace::Data workspace;
+    StepReport report;
+    report.kkt_residual = kkt_residual;
+    const Linearisation at{limit_terms(problem, iterate, 1e4), {}};
+    const VectorXd grad = gradient(problem, iterate, at);
+    REQUIRE(grad.norm() > 0);
+    return minimise_subproblem(problem, at, grad, iterate, workspace, report).step;
+  };
+  CHECK(step_at(1e-3).isZero(0));
+  CHECK_FALSE(step_at(1.1e-3).isZero(0));
+}
+
 TEST_CASE("where no matrix is assembled hexes are evaluated alike, and nothing more is kept of them") {
   Impact impact;
   const Evaluation& with = impact.iterate.evaluation;
