@@ -15,6 +15,7 @@
 #include "render/image_io.h"
 #include "tools/bench.h"
 #include "tools/reproduce/experiments.h"
+#include "tools/steps_csv.h"
 
 namespace umax {
 namespace {
@@ -112,6 +113,25 @@ BenchRows ten_thousand() {
   return {at_most("figure, 10 k hexes: peak memory", outcome.peak_gib, 1, "GiB")};
 }
 
+// one second of clip with a cage of a million hexes, its landing in it; every step must converge
+BenchRows million() {
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch.path / "figure";
+  const Outcome outcome = run({program(), "simulate", "figure", "--set", "body.figure.cage.cells=1000000", "--frames",
+                               "1-60", "--strict", "-o", folder, "--quiet"});
+  const StepsFound steps = read_steps(folder / "steps.csv", steps_header({}));
+  const auto most = [&](const char* column) {
+    const std::vector<double>& values = steps.columns.at(column);
+    return *std::max_element(values.begin(), values.end());
+  };
+  const std::string what = "figure, 1 M hexes, one second of clip";
+  return {at_most(what, outcome.seconds / 60, 30, "min",
+                  fmt::format("{} steps, the longest {:.0f} s, {:.0f} retries at most", steps.rows,
+                              most("wall_ms") / 1e3, most("retries"))),
+          at_most(what + ": peak memory", outcome.peak_gib, 4, "GiB"),
+          at_most(what + ": max U/U_max", most("max_energy_ratio"), 1.001, "")};
+}
+
 std::vector<std::string> reproduce(const std::filesystem::path& report) {
   std::vector<std::string> command{program(), "reproduce", "--quiet", "-o", report};
   if (!model_path("").empty()) {
@@ -177,6 +197,7 @@ std::vector<Benchmark> program_benchmarks() {
       {"memory", false, true, armadillo_memory},
       {"10k", false, false, ten_thousand},
       {"100k", false, false, large_beam},
+      {"figure-1m", true, false, million},
       {"demo", false, false, demo},
       {"noise", true, false, noise},
       {"tune", false, false, tuning},
