@@ -13,6 +13,7 @@ namespace {
 
 // no surface vertex may end a step deeper than this share of the cell size
 constexpr double penetration_tolerance = 1e-3;
+constexpr double kept_share = 0.5;  // of it, that a start's depth may keep: what a solution may add fits in the rest
 constexpr Eigen::Index hexes_per_block = 64;
 
 Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point) {
@@ -22,14 +23,15 @@ Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point
 // depths [m] that a vertex may have at the end of the step, by how deep it was at the start
 struct AllowedDepth {
   double deep = 0;     // of a start beyond the tolerance: pushed out at a bounded speed, not at once
-  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work
+  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work, up to a share
 };
 
 AllowedDepth allowed_depth(const ContactStep& step, int obstacle, int hex, const Vector8d& weights) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, hex, weights);
   const double depth =
       -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
-  if (depth <= tolerance_depth(*step.model, hex)) return {0, std::max(0.0, depth)};
+  const double tolerance = tolerance_depth(*step.model, hex);
+  if (depth <= tolerance) return {0, std::clamp(depth, 0.0, kept_share * tolerance)};
   return {std::max(0.0, depth - step.recovery[step.model->hex_body[hex]]), 0};
 }
 

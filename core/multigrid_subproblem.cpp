@@ -21,7 +21,7 @@ constexpr double telling_fall = 0.35;  // [-] of the error, from which a solve s
 constexpr double first_fall = 0.05, correction_fall = 0.15;
 constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
-constexpr double sweep_share = 0.01;  // of what is bearable
+constexpr double sweep_share = 0.01;         // of what is bearable
 constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
 
 // How a subproblem is solved, and how exactly.

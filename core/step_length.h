@@ -28,9 +28,9 @@ struct TakenStep {
 TakenStep taken_step(VectorXd step, double factor);
 
 /// Aitken's factor on a step along the one before: their ratio tells the true curvature along them. The multigrids'
-/// matrix, which lacks what turning hexes do to forces, is too soft for such a motion under tension (the steps go to and
-/// fro) and too stiff under compression (they creep, or slide into a buckled shape). 1 elsewhere, and where before is
-/// empty.
+/// matrix, which lacks what turning hexes do to forces, is too soft for such a motion under tension (the steps go to
+/// and fro) and too stiff under compression (they creep, or slide into a buckled shape). 1 elsewhere, and where before
+/// is empty.
 double correction(const VectorXd& step, const TakenStep& before);
 
 /// Does an iteration hardly get on, and undo in part what the one before did? Then hexes in a knot turn to and fro
@@ -42,8 +42,8 @@ bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step,
 /// stay there. residuals: of all iterates so far.
 bool wanders(const std::vector<double>& residuals);
 
-/// How much of a step is taken: the bearable share; where that is nearly all of it and forces are missing at the iterate
-/// (it is not balanced), corrected.
+/// How much of a step is taken: the bearable share; where that is nearly all of it and forces are missing at the
+/// iterate (it is not balanced), corrected.
 double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
                    const std::vector<double>& residuals, const TakenStep& before);
 

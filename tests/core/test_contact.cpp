@@ -220,3 +220,18 @@ TEST_CASE("gaps followed along their normals are those of a fresh detection for 
     CHECK(followed[i].gap == Approx(fresh[i].gap).margin(1e-6));
   }
 }
+
+TEST_CASE("a vertex keeps of the depth that it starts with what leaves room for what a step may add, and no more") {
+  constexpr double cell = 0.1, tolerance = 1e-3 * cell;
+  const double depth = GENERATE(0.3, 0.9);  // [tolerances]
+  CAPTURE(depth);
+  const Model model =
+      make_model({test::make_block({2, 2, 2}, {0, -depth * tolerance, 0}, cell)}, {test::make_ground()});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const Points positions = rest_state(model).positions;
+  std::vector<Contact> contacts;
+  add_contacts(begin_contact_step(model, geometry, positions, 0, 0.01, 9.81), positions, 0, contacts);
+  REQUIRE(contacts.size() == 4);  // hexes that touch
+  for (const Contact& contact : contacts)
+    CHECK(contact.gap / tolerance == Approx(-std::max(0.0, depth - 0.5)).margin(1e-9));
+}
