@@ -175,7 +175,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
     iterate.last_move = largest_move(model, newton.step);
     const double share = bearable_share(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
-    const bool balanced = quality.kkt <= solver.tolerance;
+    const bool balanced = is_balanced(quality.kkt, solver.tolerance);
     const double moved = step_factor(model, newton.step, share, balanced, residuals, last);
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);

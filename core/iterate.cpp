@@ -148,9 +148,9 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
 
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
-  return quality.kkt <= tolerance && quality.max_ratio <= 1 + tolerance && quality.complementarity <= tolerance &&
-         quality.limit_work <= bearable_work(problem, iterate) && quality.depth <= problem.joining_share &&
-         iterate.last_move <= settled_move;
+  return is_balanced(quality.kkt, tolerance) && quality.max_ratio <= 1 + tolerance &&
+         quality.complementarity <= tolerance && quality.limit_work <= bearable_work(problem, iterate) &&
+         quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
 }
 
 void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {

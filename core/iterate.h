@@ -10,6 +10,11 @@ namespace umax {
 /// [-] Residual, in tolerances, of an iterate whose successor may be the step's solution.
 inline constexpr double near_solution = 3;
 
+/// Are forces in balance at an iterate with this residual [-], so that only limits and contacts may miss theirs?
+inline bool is_balanced(double kkt_residual, double tolerance) {
+  return kkt_residual <= tolerance;
+}
+
 struct Iterate {
   Points positions;               // #N x 3 [m]
   VectorXd multipliers;           // #L force-level [J]

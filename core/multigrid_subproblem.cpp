@@ -36,7 +36,7 @@ struct Accuracy {
 // 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
 // iterate is to the step's solution.
 Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
-  const bool restoring = kkt_residual <= tolerance;
+  const bool restoring = is_balanced(kkt_residual, tolerance);
   const double foretold = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05);
   return {.linear = restoring ? restoring_accuracy : foretold,
           .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
