@@ -143,8 +143,9 @@ NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& 
   const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
-  const VectorXd missing = push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force);
-  begin(model, accuracy.restoring ? VectorXd(VectorXd::Zero(missing.size())) : missing, system);
+  VectorXd missing = VectorXd::Zero(grad.size());
+  if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force);
+  begin(model, missing, system);
   const double fall = iterate.contacts.empty() ? 0 : first_fall;
   solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
   NewtonStep newton;
