@@ -30,12 +30,21 @@ target_compile_definitions(umax_embree INTERFACE UMAX_EMBREE_VERSION=${EMBREE_VE
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
 find_package(OpenVDB REQUIRED)
 
-# CHOLMOD: no CMake config on Debian 12
+# CHOLMOD: no CMake config on Debian 12. OpenBLAS is named before it, since CHOLMOD alone would take whatever BLAS the
+# machine's alternatives point at, with other last bits.
+find_library(OPENBLAS_LIBRARY openblas REQUIRED)
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 add_library(umax_cholmod INTERFACE)
 target_include_directories(umax_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
-target_link_libraries(umax_cholmod INTERFACE ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
+target_link_libraries(umax_cholmod INTERFACE ${OPENBLAS_LIBRARY} ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
+
+# Ceres: the shared library. The static one brings Eigen's functions as its own compiler flags made them, and where the
+# linker takes those for ours, memory is freed in another way than it was taken.
+find_library(CERES_LIBRARY NAMES libceres.so REQUIRED)
+add_library(umax_ceres INTERFACE)
+target_include_directories(umax_ceres SYSTEM INTERFACE $<TARGET_PROPERTY:Ceres::ceres,INTERFACE_INCLUDE_DIRECTORIES>)
+target_link_libraries(umax_ceres INTERFACE ${CERES_LIBRARY} glog::glog)
 
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(Catch2 REQUIRED)
