@@ -16,7 +16,7 @@ if(UMAX_COVERAGE)
   target_link_options(umax_options INTERFACE --coverage)
 endif()
 
-# What nearly every file of the rooms includes is compiled once, in the room named core. A file still includes what it
+# What nearly every file of the rooms includes is compiled once, in the room named base. A file still includes what it
 # uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a compiler cache, which keeps no file that has one.
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
@@ -45,18 +45,29 @@ function(umax_file_options options)
   set_source_files_properties(${arg_FILES} PROPERTIES COMPILE_OPTIONS ${options} SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# umax_library(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): a static library umax_<room> with the
-# alias umax::<room>. Third-party packages go under PRIVATE unless the room's headers show their types.
-function(umax_library room)
-  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(umax_${room} STATIC ${arg_SOURCES})
-  add_library(umax::${room} ALIAS umax_${room})
-  target_link_libraries(umax_${room} PUBLIC umax_options ${arg_PUBLIC} PRIVATE umax_warnings ${arg_PRIVATE})
-  if(room STREQUAL "core")
-    target_precompile_headers(umax_core PRIVATE ${umax_common_headers})
+# umax_room(<name> SOURCES <files> [ROOMS <names>] [PACKAGES <targets>]): the folder's static library umax_<name> with the
+# alias umax::<name>. ROOMS: those whose headers it includes; what uses this room may use them too. PACKAGES: third-party
+# libraries, which stay inside.
+function(umax_room name)
+  cmake_parse_arguments(arg "" "" "SOURCES;ROOMS;PACKAGES" ${ARGN})
+  add_library(umax_${name} STATIC ${arg_SOURCES})
+  add_library(umax::${name} ALIAS umax_${name})
+  list(TRANSFORM arg_ROOMS PREPEND umax::)
+  target_link_libraries(umax_${name} PUBLIC umax_options Eigen3::Eigen ${arg_ROOMS} PRIVATE umax_warnings ${arg_PACKAGES})
+  if(name STREQUAL "base")
+    target_precompile_headers(umax_base PRIVATE ${umax_common_headers})
   else()
-    target_precompile_headers(umax_${room} REUSE_FROM umax_core)
+    target_precompile_headers(umax_${name} REUSE_FROM umax_base)
   endif()
+endfunction()
+
+# umax_group(<name> ROOMS <names>): umax::<name> stands for all these rooms
+function(umax_group name)
+  cmake_parse_arguments(arg "" "" "ROOMS" ${ARGN})
+  list(TRANSFORM arg_ROOMS PREPEND umax::)
+  add_library(umax_${name} INTERFACE)
+  add_library(umax::${name} ALIAS umax_${name})
+  target_link_libraries(umax_${name} INTERFACE ${arg_ROOMS})
 endfunction()
 
 # umax_embed(<array> FILES <files>): compiles files in as string literals (see embed_files.cmake) and sets <array> to the

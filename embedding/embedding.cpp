@@ -12,10 +12,10 @@
 #include <string>
 #include <utility>
 
-#include "core/error.h"
-#include "embedding/cell_table.h"
-#include "embedding/hex_faces.h"
-#include "embedding/hex_search.h"
+#include "core/base/error.h"
+#include "embedding/cage/cell_table.h"
+#include "embedding/cage/hex_search.h"
+#include "embedding/surface/hex_faces.h"
 
 namespace umax {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <vector>
 
-#include "core/embedded_points.h"
-#include "core/lattice.h"
-#include "core/triangle_mesh.h"
-#include "embedding/normals.h"
+#include "core/base/triangle_mesh.h"
+#include "core/model/embedded_points.h"
+#include "core/model/lattice.h"
+#include "embedding/surface/normals.h"
 
 namespace umax {
 

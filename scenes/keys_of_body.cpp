@@ -1,7 +1,7 @@
 // Scene keys of [body.NAME].
 #include <fmt/format.h>
 
-#include "embedding/hex_mesh_io.h"
+#include "embedding/hex_files/hex_mesh_io.h"
 #include "scenes/limit_keys.h"
 #include "scenes/map_keys.h"
 #include "scenes/mesh_keys.h"

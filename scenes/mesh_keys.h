@@ -1,8 +1,8 @@
 // Scene keys that bodies and obstacles share: where a mesh comes from, and how a surface looks.
 #pragma once
 
+#include "core/files/sha256.h"
 #include "scenes/section_builder.h"
-#include "scenes/sha256.h"
 
 namespace umax {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "scenes/nearest_word.h"
+#include "core/base/nearest_word.h"
 #include "scenes/scene_file.h"
 #include "scenes/toml_text.h"
 #include "scenes/value_kinds.h"

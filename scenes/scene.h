@@ -7,9 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "core/step.h"
-#include "embedding/factor_map.h"
-#include "render/render_scene.h"
+#include "core/model/model.h"
+#include "core/problem/step_options.h"
+#include "embedding/maps/factor_map.h"
+#include "render/scene/render_scene.h"
 
 namespace umax {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scenes/nearest_word.h"
+#include "core/base/nearest_word.h"
 #include "scenes/toml_text.h"
 
 namespace umax {

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/base/nearest_word.h"
 #include "scenes/builtin_scenes.h"
-#include "scenes/nearest_word.h"
 #include "scenes/presets.h"
 #include "scenes/scene_checks.h"
 #include "scenes/toml_text.h"

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "scenes/nearest_word.h"
+#include "core/base/nearest_word.h"
 
 namespace umax {
 namespace {

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/track.h"
-#include "core/types.h"
+#include "core/base/track.h"
+#include "core/base/types.h"
 #include "scenes/quantity.h"
 #include "scenes/scene_value.h"
 

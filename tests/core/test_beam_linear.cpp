@@ -2,8 +2,8 @@
 // Reference values come from independent finite element codes (linear statics: CalculiX C3D8).
 #include <Eigen/LU>
 
-#include "core/elastic_energy.h"
-#include "core/material.h"
+#include "core/element/elastic_energy.h"
+#include "core/element/material.h"
 #include "tests/support/catch.h"
 #include "tests/support/eigenvalues.h"
 #include "tests/support/hex_samples.h"

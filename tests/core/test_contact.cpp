@@ -1,6 +1,6 @@
 // What touches: obstacles of all shapes, edges, presses, starts in penetration. No vertex may end a step deeper than
 // 1e-3 of the cell size.
-#include "core/contact.h"
+#include "core/contact/contact.h"
 
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"

@@ -2,7 +2,7 @@
 // into.
 #include <Eigen/Geometry>
 
-#include "core/contact_law.h"
+#include "core/contact/contact_law.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -1,10 +1,10 @@
-#include "core/elastic_energy.h"
+#include "core/element/elastic_energy.h"
 
 #include <Eigen/LU>
 
-#include "core/energy_limit.h"
-#include "core/material.h"
-#include "core/rotation.h"
+#include "core/element/energy_limit.h"
+#include "core/element/material.h"
+#include "core/element/rotation.h"
 #include "tests/support/catch.h"
 #include "tests/support/finite_differences.h"
 #include "tests/support/hex_samples.h"

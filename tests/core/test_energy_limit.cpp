@@ -1,9 +1,9 @@
-#include "core/energy_limit.h"
+#include "core/element/energy_limit.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "core/material.h"
+#include "core/element/material.h"
 #include "tests/support/catch.h"
 #include "tests/support/finite_differences.h"
 #include "tests/support/hex_samples.h"

@@ -1,9 +1,9 @@
-#include "core/energy_parts.h"
+#include "core/element/energy_parts.h"
 
 #include <Eigen/Geometry>
 
-#include "core/elastic_energy.h"
-#include "core/material.h"
+#include "core/element/elastic_energy.h"
+#include "core/element/material.h"
 #include "tests/support/catch.h"
 #include "tests/support/finite_differences.h"
 #include "tests/support/hex_samples.h"

@@ -1,4 +1,4 @@
-#include "core/gauss_seidel.h"
+#include "core/contact/gauss_seidel.h"
 
 #include <Eigen/Dense>
 

@@ -1,5 +1,5 @@
 // The matrix-free operator against the assembled matrix.
-#include "core/hex_operator.h"
+#include "core/linear/bricks/hex_operator.h"
 
 #include <tbb/global_control.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/elastic_energy.h"
-#include "core/system_matrix.h"
+#include "core/element/elastic_energy.h"
+#include "core/linear/direct/system_matrix.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

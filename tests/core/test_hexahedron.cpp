@@ -1,11 +1,11 @@
-#include "core/hexahedron.h"
+#include "core/element/hexahedron.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <string>
 
-#include "core/error.h"
-#include "core/material.h"
+#include "core/base/error.h"
+#include "core/element/material.h"
 #include "tests/support/catch.h"
 #include "tests/support/eigenvalues.h"
 #include "tests/support/finite_differences.h"

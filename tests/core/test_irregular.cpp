@@ -2,8 +2,8 @@
 #include <Eigen/Geometry>
 #include <string>
 
-#include "core/error.h"
-#include "core/evaluation.h"
+#include "core/base/error.h"
+#include "core/problem/evaluation.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/distorted.h"

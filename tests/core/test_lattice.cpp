@@ -1,9 +1,9 @@
-#include "core/lattice.h"
+#include "core/model/lattice.h"
 
 #include <set>
 
-#include "core/error.h"
-#include "core/hexahedron.h"
+#include "core/base/error.h"
+#include "core/element/hexahedron.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

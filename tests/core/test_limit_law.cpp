@@ -1,7 +1,7 @@
 // The terms that limits add: derivatives of the soft barrier, the hard limit's switch.
 #include <cmath>
 
-#include "core/limit_law.h"
+#include "core/element/limit_law.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -1,4 +1,4 @@
-#include "core/material.h"
+#include "core/element/material.h"
 
 #include <Eigen/LU>
 

@@ -1,7 +1,7 @@
-#include "core/model.h"
+#include "core/model/model.h"
 
-#include "core/error.h"
-#include "core/material.h"
+#include "core/base/error.h"
+#include "core/element/material.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 

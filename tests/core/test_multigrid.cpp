@@ -1,5 +1,5 @@
 // Multigrid-preconditioned conjugate gradients against the direct solver.
-#include "core/conjugate_gradient.h"
+#include "core/linear/multigrid/conjugate_gradient.h"
 
 #include <tbb/global_control.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/sparse_cholesky.h"
+#include "core/linear/direct/sparse_cholesky.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

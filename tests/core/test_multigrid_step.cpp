@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/multigrid_subproblem.h"
+#include "core/step/multigrid_subproblem.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/hadamard_hex.h"
-#include "core/multigrid_cycle.h"
+#include "core/linear/bricks/hadamard_hex.h"
+#include "core/linear/multigrid/multigrid_cycle.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

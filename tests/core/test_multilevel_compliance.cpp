@@ -1,5 +1,5 @@
 // How contacts give way to each other on multigrids, against dense algebra.
-#include "core/multilevel_compliance.h"
+#include "core/step/multilevel_compliance.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,8 +1,8 @@
-#include "core/obstacle.h"
+#include "core/model/obstacle.h"
 
 #include <limits>
 
-#include "core/rotation.h"
+#include "core/element/rotation.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

@@ -1,7 +1,7 @@
 // The paper's method on the paper's scenes. Expected tips: an independent prototype, agreed to by three other methods.
 #include <map>
 
-#include "core/paper_step.h"
+#include "core/step/paper_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/error.h"
-#include "core/hex_limits.h"
+#include "core/base/error.h"
+#include "core/model/hex_limits.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 

@@ -1,4 +1,4 @@
-#include "core/rotation.h"
+#include "core/element/rotation.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,8 +1,8 @@
-#include "core/sparse_cholesky.h"
+#include "core/linear/direct/sparse_cholesky.h"
 
 #include <algorithm>
 
-#include "core/elastic_energy.h"
+#include "core/element/elastic_energy.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

@@ -1,6 +1,6 @@
 // What a step must conserve, and what it may lose: free fall, momentum, angular momentum, independence of bodies.
-#include "core/energy_limit.h"
-#include "core/evaluation.h"
+#include "core/element/energy_limit.h"
+#include "core/problem/evaluation.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"

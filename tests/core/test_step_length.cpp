@@ -1,5 +1,5 @@
 // How far an iteration goes along its step.
-#include "core/step_length.h"
+#include "core/problem/step_length.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 

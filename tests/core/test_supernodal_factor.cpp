@@ -1,5 +1,5 @@
 // The single-precision factor for many solves, against Eigen's.
-#include "core/supernodal_factor.h"
+#include "core/linear/direct/supernodal_factor.h"
 
 #include <tbb/global_control.h>
 

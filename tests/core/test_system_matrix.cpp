@@ -1,4 +1,4 @@
-#include "core/system_matrix.h"
+#include "core/linear/direct/system_matrix.h"
 
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"

@@ -1,5 +1,5 @@
-#include "core/track.h"
-#include "core/types.h"
+#include "core/base/track.h"
+#include "core/base/types.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/lattice.h"
+#include "core/model/lattice.h"
 #include "tests/support/distorted.h"
 
 namespace umax::testing {

@@ -7,8 +7,8 @@
 #include <random>
 #include <string>
 
-#include "embedding/shapes.h"
-#include "embedding/voxelize.h"
+#include "embedding/cage/voxelize.h"
+#include "embedding/surface/shapes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace umax::testing {

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "embedding/embedding.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"

@@ -1,11 +1,11 @@
 // Factors of hexes from OpenVDB grids and from painted surfaces.
-#include "embedding/factor_map.h"
+#include "embedding/maps/factor_map.h"
 
 #include <cmath>
 #include <limits>
 
-#include "core/hexahedron.h"
-#include "embedding/distance_grid.h"
+#include "core/element/hexahedron.h"
+#include "embedding/surface/distance_grid.h"
 #include "tests/embedding/meshes.h"
 #include "tests/embedding/vdb_file.h"
 #include "tests/support/catch.h"

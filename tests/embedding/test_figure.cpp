@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "embedding/figure.h"
+#include "core/base/error.h"
+#include "embedding/figure/figure.h"
 #include "tests/support/catch.h"
 
 namespace {

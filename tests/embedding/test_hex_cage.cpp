@@ -1,15 +1,15 @@
 // Irregular hexes as a cage: which hex holds a point, and how much of it a surface fills.
-#include "embedding/hex_cage.h"
+#include "embedding/cage/hex_cage.h"
 
 #include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
 
-#include "core/error.h"
-#include "core/hexahedron.h"
+#include "core/base/error.h"
+#include "core/element/hexahedron.h"
+#include "embedding/cage/hex_search.h"
 #include "embedding/embedding.h"
-#include "embedding/hex_faces.h"
-#include "embedding/hex_search.h"
+#include "embedding/surface/hex_faces.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 #include "tests/support/distorted.h"

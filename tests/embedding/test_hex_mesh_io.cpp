@@ -1,12 +1,12 @@
-#include "embedding/hex_mesh_io.h"
+#include "embedding/hex_files/hex_mesh_io.h"
 
 #include <cmath>
 
-#include "core/error.h"
-#include "core/hexahedron.h"
-#include "embedding/hex_faces.h"
-#include "embedding/mesh_io.h"
-#include "embedding/mesh_report.h"
+#include "core/base/error.h"
+#include "core/element/hexahedron.h"
+#include "embedding/mesh_files/mesh_io.h"
+#include "embedding/surface/hex_faces.h"
+#include "embedding/surface/mesh_report.h"
 #include "tests/embedding/hex_files.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"

@@ -2,10 +2,10 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "core/error.h"
-#include "embedding/distance_grid.h"
-#include "embedding/mesh_report.h"
-#include "embedding/placement.h"
+#include "core/base/error.h"
+#include "embedding/surface/distance_grid.h"
+#include "embedding/surface/mesh_report.h"
+#include "embedding/surface/placement.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 

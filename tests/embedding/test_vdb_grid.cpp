@@ -1,5 +1,5 @@
 // Which OpenVDB files are read, and what is said of the others.
-#include "embedding/vdb_grid.h"
+#include "embedding/maps/vdb_grid.h"
 
 #include <limits>
 

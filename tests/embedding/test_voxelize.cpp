@@ -1,9 +1,9 @@
 #include <numbers>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "embedding/embedding.h"
-#include "embedding/mesh_io.h"
-#include "embedding/placement.h"
+#include "embedding/mesh_files/mesh_io.h"
+#include "embedding/surface/placement.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 

@@ -3,14 +3,14 @@
 #include <filesystem>
 #include <limits>
 
-#include "render/annotate.h"
-#include "render/colormap.h"
-#include "render/compare_report.h"
-#include "render/srgb.h"
-#include "render/write_file.h"
+#include "core/files/write_file.h"
+#include "render/annotation/annotate.h"
+#include "render/image/colormap.h"
+#include "render/image/srgb.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_colors.h"
+#include "tools/pages/compare_report.h"
 
 using namespace umax;
 

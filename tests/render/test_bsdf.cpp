@@ -1,9 +1,9 @@
-#include "render/bsdf.h"
+#include "render/trace/bsdf.h"
 
 #include <cmath>
 
-#include "core/error.h"
-#include "render/sampling.h"
+#include "core/base/error.h"
+#include "render/scene/sampling.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

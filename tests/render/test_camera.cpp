@@ -1,8 +1,8 @@
-#include "render/camera.h"
+#include "render/scene/camera.h"
 
 #include <cmath>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

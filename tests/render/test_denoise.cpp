@@ -1,4 +1,4 @@
-#include "render/denoise.h"
+#include "render/trace/denoise.h"
 
 #include <tbb/global_control.h>
 

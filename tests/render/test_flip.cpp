@@ -2,8 +2,8 @@
 
 #include <chrono>
 
-#include "core/error.h"
-#include "render/flip.h"
+#include "core/base/error.h"
+#include "render/image/flip.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -1,9 +1,9 @@
 #include <Eigen/Geometry>
 
-#include "render/colormap.h"
-#include "render/path_trace.h"
-#include "render/rasterize.h"
-#include "render/write_file.h"
+#include "core/files/write_file.h"
+#include "render/image/colormap.h"
+#include "render/raster/rasterize.h"
+#include "render/trace/path_trace.h"
 #include "tests/support/golden.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"

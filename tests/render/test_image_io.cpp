@@ -8,10 +8,10 @@
 #include <fstream>
 #include <functional>
 
-#include "core/error.h"
-#include "render/image_io.h"
-#include "render/srgb.h"
-#include "render/write_file.h"
+#include "core/base/error.h"
+#include "core/files/write_file.h"
+#include "render/image/image_io.h"
+#include "render/image/srgb.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,9 +1,9 @@
-#include "render/light.h"
+#include "render/scene/light.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -1,11 +1,11 @@
-#include "render/path_trace.h"
+#include "render/trace/path_trace.h"
 
 #include <tbb/global_control.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/render_shapes.h"
 

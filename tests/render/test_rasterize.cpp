@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "core/error.h"
-#include "render/rasterize.h"
-#include "render/write_file.h"
+#include "core/base/error.h"
+#include "core/files/write_file.h"
+#include "render/raster/rasterize.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"

@@ -1,10 +1,10 @@
-#include "render/ray_scene.h"
+#include "render/trace/ray_scene.h"
 
 #include <cmath>
 #include <random>
 
-#include "core/error.h"
-#include "render/sampling.h"
+#include "core/base/error.h"
+#include "render/scene/sampling.h"
 #include "tests/support/catch.h"
 #include "tests/support/render_shapes.h"
 

@@ -1,4 +1,4 @@
-#include "render/sampling.h"
+#include "render/scene/sampling.h"
 
 #include <numbers>
 #include <set>

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "render/srgb.h"
-#include "render/tone_map.h"
+#include "render/image/srgb.h"
+#include "render/image/tone_map.h"
 #include "tests/support/catch.h"
 
 using namespace umax;

@@ -1,6 +1,6 @@
 #include <set>
 
-#include "scenes/nearest_word.h"
+#include "core/base/nearest_word.h"
 #include "scenes/scene_keys.h"
 #include "tests/scenes/scene_testing.h"
 

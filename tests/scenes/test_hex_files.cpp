@@ -1,6 +1,6 @@
 // Scene keys of meshes of hexes: as bodies, and as cages.
+#include "core/files/sha256.h"
 #include "scenes/resolved_scene.h"
-#include "scenes/sha256.h"
 #include "tests/scenes/scene_testing.h"
 
 using namespace umax;

@@ -1,6 +1,6 @@
 // Scene keys of maps: limit.map and material.young_map with their grids, ranges and files.
+#include "core/files/sha256.h"
 #include "scenes/resolved_scene.h"
-#include "scenes/sha256.h"
 #include "tests/scenes/scene_testing.h"
 
 using namespace umax;

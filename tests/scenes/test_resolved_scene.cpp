@@ -2,8 +2,8 @@
 
 #include <random>
 
+#include "core/files/sha256.h"
 #include "scenes/builtin_scenes.h"
-#include "scenes/sha256.h"
 #include "tests/scenes/scene_testing.h"
 
 using namespace umax;

@@ -3,7 +3,7 @@
 #include <random>
 #include <set>
 
-#include "scenes/nearest_word.h"
+#include "core/base/nearest_word.h"
 #include "scenes/scene_key_table.h"
 #include "tests/scenes/scene_testing.h"
 

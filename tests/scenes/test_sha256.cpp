@@ -1,4 +1,4 @@
-#include "scenes/sha256.h"
+#include "core/files/sha256.h"
 
 #include "tests/scenes/scene_testing.h"
 

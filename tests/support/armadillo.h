@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "core/model.h"
+#include "core/model/model.h"
+#include "embedding/cage/voxelize.h"
 #include "embedding/embedding.h"
-#include "embedding/mesh_io.h"
-#include "embedding/placement.h"
-#include "embedding/voxelize.h"
+#include "embedding/mesh_files/mesh_io.h"
+#include "embedding/surface/placement.h"
 
 namespace umax::test {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
-#include "core/rotation.h"
+#include "core/base/error.h"
+#include "core/element/rotation.h"
 #include "tests/support/catch.h"
 
 namespace umax::test {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/rotation.h"
-#include "core/step.h"
+#include "core/element/rotation.h"
+#include "core/step/step.h"
 
 namespace umax::test {
 

@@ -1,7 +1,7 @@
 // Box lattices whose nodes are moved at random, so that no two hexes are alike; the outline stays the box.
 #pragma once
 
-#include "core/lattice.h"
+#include "core/model/lattice.h"
 #include "tests/support/hex_samples.h"
 
 namespace umax::test {

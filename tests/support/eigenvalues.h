@@ -1,7 +1,7 @@
 // Eigenvalues of symmetric matrices, compiled once: Eigen's solvers take a compiler seconds for every size.
 #pragma once
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace umax::test {
 

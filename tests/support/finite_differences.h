@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/finite_differences.h"
-#include "core/types.h"
+#include "core/base/finite_differences.h"
+#include "core/base/types.h"
 
 namespace umax::test {
 

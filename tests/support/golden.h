@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <string>
 
-#include "render/annotate.h"
-#include "render/compare_report.h"
-#include "render/image_io.h"
+#include "render/annotation/annotate.h"
+#include "render/image/image_io.h"
 #include "tests/support/catch.h"
+#include "tools/pages/compare_report.h"
 
 namespace umax::test {
 

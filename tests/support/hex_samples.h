@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/hexahedron.h"
+#include "core/element/hexahedron.h"
 
 namespace umax::test {
 

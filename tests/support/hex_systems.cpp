@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/elastic_energy.h"
-#include "core/rotation.h"
+#include "core/element/elastic_energy.h"
+#include "core/element/rotation.h"
 
 namespace umax::test {
 namespace {

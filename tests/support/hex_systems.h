@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/hex_operator.h"
-#include "core/model.h"
-#include "core/system_matrix.h"
+#include "core/linear/bricks/hex_operator.h"
+#include "core/linear/direct/system_matrix.h"
+#include "core/model/model.h"
 #include "tests/support/hex_samples.h"
 
 namespace umax::test {

@@ -5,8 +5,8 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "core/hexahedron.h"
-#include "core/lattice.h"
+#include "core/element/hexahedron.h"
+#include "core/model/lattice.h"
 
 namespace umax::test {
 

@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "core/step.h"
+#include "core/step/step.h"
 
 namespace umax::test {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "render/render_scene.h"
+#include "render/scene/render_scene.h"
 
 namespace umax::test {
 

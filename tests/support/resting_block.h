@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/multigrid_system.h"
-#include "core/step_problem.h"
+#include "core/problem/step_problem.h"
+#include "core/step/multigrid_system.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "render/render_scene.h"
+#include "render/scene/render_scene.h"
 
 namespace umax::test {
 

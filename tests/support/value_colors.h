@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "render/colormap.h"
+#include "render/image/colormap.h"
 
 namespace umax {
 

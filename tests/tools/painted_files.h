@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/triangle_mesh.h"
+#include "core/base/triangle_mesh.h"
 
 namespace umax::testing {
 

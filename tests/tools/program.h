@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.h"
-#include "tools/subprocess.h"
+#include "tools/system/subprocess.h"
 
 namespace umax {
 

@@ -1,20 +1,20 @@
 // Maps on bodies: where they lie, what they do, and what the program says of them.
-#include "tools/body_maps.h"
+#include "tools/setup/body_maps.h"
 
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
-#include "core/step.h"
-#include "embedding/shapes.h"
-#include "render/image_io.h"
+#include "core/base/error.h"
+#include "core/step/step.h"
+#include "embedding/surface/shapes.h"
+#include "render/image/image_io.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/vdb_files.h"
 #include "tests/tools/hex_bar.h"
 #include "tests/tools/painted_files.h"
 #include "tests/tools/program.h"
-#include "tools/heat.h"
-#include "tools/map_picture.h"
+#include "tools/pictures/heat.h"
+#include "tools/pictures/map_picture.h"
 
 using namespace umax;
 using namespace umax::testing;

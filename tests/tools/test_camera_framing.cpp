@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "tests/support/catch.h"
-#include "tools/camera_framing.h"
-#include "tools/shot.h"
+#include "tools/pictures/shot.h"
+#include "tools/setup/camera_framing.h"
 
 using namespace umax;
 

@@ -1,6 +1,6 @@
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/options.h"
+#include "tools/run/options.h"
 
 using namespace umax;
 using umax::test::contains;

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "core/files/sha256.h"
 #include "scenes/scene_file.h"
-#include "scenes/sha256.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/hex_bar.h"
-#include "tools/simulation_setup.h"
-#include "tools/threads.h"
+#include "tools/setup/simulation_setup.h"
+#include "tools/system/threads.h"
 
 using namespace umax;
 

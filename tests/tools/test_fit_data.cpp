@@ -1,7 +1,7 @@
 // Measurements as files: what is read, what is refused, what umax fit makes of them.
 #include <cmath>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "scenes/scene.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"

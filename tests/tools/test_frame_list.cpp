@@ -1,6 +1,6 @@
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/frame_list.h"
+#include "tools/run/frame_list.h"
 
 using namespace umax;
 

@@ -1,21 +1,21 @@
 // The numbers behind the colours of heat maps, and the bars that the colours are read from.
-#include "tools/heat.h"
+#include "tools/pictures/heat.h"
 
 #include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "core/rotation.h"
-#include "render/annotate.h"
-#include "render/colormap.h"
-#include "render/image_io.h"
+#include "core/element/rotation.h"
+#include "render/annotation/annotate.h"
+#include "render/image/colormap.h"
+#include "render/image/image_io.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/value_colors.h"
 #include "tests/tools/program.h"
-#include "tools/render_frames.h"
-#include "tools/state_file.h"
+#include "tools/run/render_frames.h"
+#include "tools/setup/state_file.h"
 
 using namespace umax;
 

@@ -1,14 +1,14 @@
 // Bodies whose hexes come from files: set-up, the verbs and what they refuse.
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
-#include "core/hexahedron.h"
-#include "core/rotation.h"
+#include "core/base/error.h"
+#include "core/element/hexahedron.h"
+#include "core/element/rotation.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/hex_bar.h"
 #include "tests/tools/program.h"
-#include "tools/simulation_setup.h"
+#include "tools/setup/simulation_setup.h"
 
 using namespace umax;
 using namespace umax::testing;

@@ -3,13 +3,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/newton_system.h"
+#include "core/step/newton_system.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
 #include "tests/tools/program.h"
-#include "tools/job_estimate.h"
-#include "tools/machine_memory.h"
+#include "tools/run/job_estimate.h"
+#include "tools/system/machine_memory.h"
 
 using namespace umax;
 using umax::test::contains;

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/error.h"
-#include "core/rotation.h"
-#include "embedding/figure.h"
+#include "core/base/error.h"
+#include "core/element/rotation.h"
+#include "embedding/figure/figure.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"

@@ -1,10 +1,10 @@
 // What inspect and a run's scene.toml tell of limits.
-#include "tools/limit_report.h"
+#include "tools/setup/limit_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "render/write_file.h"
+#include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"

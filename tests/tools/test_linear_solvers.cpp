@@ -1,13 +1,13 @@
 // Cages that are hard on a linear solver, from scenes: both solvers make the same steps of them.
 #include <algorithm>
 
-#include "core/multigrid_system.h"
+#include "core/step/multigrid_system.h"
 #include "scenes/builtin_scenes.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
-#include "tools/simulation_setup.h"
-#include "tools/threads.h"
+#include "tools/setup/simulation_setup.h"
+#include "tools/system/threads.h"
 
 using namespace umax;
 

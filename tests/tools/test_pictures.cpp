@@ -2,7 +2,7 @@
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
 #include "tests/tools/program.h"
-#include "tools/clip.h"
+#include "tools/run/clip.h"
 
 using namespace umax;
 namespace fs = std::filesystem;

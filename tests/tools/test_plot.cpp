@@ -1,11 +1,11 @@
-#include "tools/plot.h"
+#include "tools/pictures/plot.h"
 
 #include <cmath>
 #include <limits>
 
 #include "tests/support/catch.h"
 #include "tests/tools/svg_paths.h"
-#include "tools/plot_scale.h"
+#include "tools/pictures/plot_scale.h"
 
 using namespace umax;
 

@@ -1,7 +1,7 @@
 #include "tools/reproduce/printed_equations.h"
 
-#include "core/energy_limit.h"
-#include "core/material.h"
+#include "core/element/energy_limit.h"
+#include "core/element/material.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/finite_differences.h"

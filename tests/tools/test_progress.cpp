@@ -3,7 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/progress.h"
+#include "tools/system/progress.h"
 
 using namespace umax;
 

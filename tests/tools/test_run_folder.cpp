@@ -3,9 +3,9 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/run_folder.h"
-#include "tools/run_record.h"
-#include "tools/step_plots.h"
+#include "tools/run/run_folder.h"
+#include "tools/run/run_record.h"
+#include "tools/run/step_plots.h"
 
 using namespace umax;
 namespace fs = std::filesystem;

@@ -3,8 +3,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/run_input.h"
-#include "tools/simulation_setup.h"
+#include "tools/cli/run_input.h"
+#include "tools/setup/simulation_setup.h"
 
 using namespace umax;
 

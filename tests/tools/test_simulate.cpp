@@ -2,8 +2,8 @@
 
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
-#include "tools/step_plots.h"
-#include "tools/steps_csv.h"
+#include "tools/run/step_plots.h"
+#include "tools/run/steps_csv.h"
 
 using namespace umax;
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/state_file.h"
+#include "tools/setup/state_file.h"
 
 using namespace umax;
 

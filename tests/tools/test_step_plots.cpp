@@ -1,4 +1,4 @@
-#include "tools/step_plots.h"
+#include "tools/run/step_plots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/svg_paths.h"
-#include "tools/run_folder.h"
-#include "tools/steps_csv.h"
+#include "tools/run/run_folder.h"
+#include "tools/run/steps_csv.h"
 
 using namespace umax;
 

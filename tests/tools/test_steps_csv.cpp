@@ -5,7 +5,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/steps_csv.h"
+#include "tools/run/steps_csv.h"
 
 using namespace umax;
 

@@ -1,15 +1,15 @@
 // Several instants or runs in one picture.
-#include "tools/strip.h"
+#include "tools/pictures/strip.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "render/camera.h"
-#include "render/image_io.h"
+#include "render/image/image_io.h"
+#include "render/scene/camera.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
-#include "tools/shot.h"
+#include "tools/pictures/shot.h"
 
 using namespace umax;
 

@@ -12,7 +12,7 @@
 #include "tools/tune/variants.h"
 #include "tools/tune/workers.h"
 
-#include "render/image_io.h"
+#include "render/image/image_io.h"
 #include "scenes/scene_file.h"
 
 using namespace umax;

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tools/locked_folder.h"
+#include "tools/system/locked_folder.h"
 
 namespace umax {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "tools/plot.h"
+#include "tools/pictures/plot.h"
 
 namespace umax {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tools/fit/curve_shape.h"
 #include "tools/fit/least_squares.h"
 #include "tools/fit/student_t.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "scenes/quantity.h"
 #include "tools/fit/csv_table.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/material.h"
-#include "core/step.h"
+#include "core/element/material.h"
+#include "core/step/step.h"
 
 namespace umax {
 namespace {

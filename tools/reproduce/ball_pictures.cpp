@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/sha256.h"
+#include "core/files/sha256.h"
 
 namespace umax {
 namespace {

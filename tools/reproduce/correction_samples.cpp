@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <random>
 
-#include "core/finite_differences.h"
-#include "core/rotation.h"
+#include "core/base/finite_differences.h"
+#include "core/element/rotation.h"
 
 namespace umax {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/elastic_energy.h"
-#include "core/material.h"
+#include "core/element/elastic_energy.h"
+#include "core/element/material.h"
 #include "tools/reproduce/corrections.h"
 
 namespace umax {

@@ -3,8 +3,8 @@
 #include <array>
 #include <limits>
 
-#include "core/energy_limit.h"
-#include "core/finite_differences.h"
+#include "core/base/finite_differences.h"
+#include "core/element/energy_limit.h"
 #include "tools/reproduce/correction_samples.h"
 #include "tools/reproduce/printed_equations.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/finite_differences.h"
+#include "core/base/finite_differences.h"
 #include "tools/reproduce/correction_samples.h"
 #include "tools/reproduce/printed_equations.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "core/finite_differences.h"
-#include "core/step.h"
+#include "core/base/finite_differences.h"
+#include "core/step/step.h"
 #include "tools/reproduce/correction_samples.h"
 #include "tools/reproduce/printed_step.h"
 

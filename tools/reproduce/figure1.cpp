@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "embedding/hex_faces.h"
-#include "scenes/sha256.h"
+#include "core/files/sha256.h"
+#include "embedding/surface/hex_faces.h"
 #include "tools/reproduce/character.h"
 #include "tools/reproduce/experiments.h"
 #include "tools/reproduce/run_measures.h"

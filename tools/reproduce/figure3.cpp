@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "embedding/shapes.h"
+#include "core/files/sha256.h"
+#include "embedding/surface/shapes.h"
 #include "scenes/resolved_scene.h"
-#include "scenes/sha256.h"
+#include "tools/pictures/shot.h"
 #include "tools/reproduce/experiments.h"
 #include "tools/reproduce/run_measures.h"
-#include "tools/shot.h"
 
 namespace umax {
 namespace {

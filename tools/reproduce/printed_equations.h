@@ -13,8 +13,8 @@
 // (alpha_i, beta_i, gamma_i): row i of the normal block of E, E1 on the diagonal and E2 beside it.
 #pragma once
 
-#include "core/hexahedron.h"
-#include "core/material.h"
+#include "core/element/hexahedron.h"
+#include "core/element/material.h"
 
 namespace umax::printed {
 

@@ -6,7 +6,7 @@
 // F(x0, v0) = f_el(x0) - D v0 + M g,  dF/dv = -D,  dF/dx = -K(x0) warped,  D = alpha M + beta K(x0)
 #pragma once
 
-#include "core/step.h"
+#include "core/step/step.h"
 
 namespace umax::printed {
 

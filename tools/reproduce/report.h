@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "tools/plot.h"
+#include "tools/pictures/plot.h"
 
 namespace umax {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <system_error>
 
-#include "core/error.h"
-#include "render/write_file.h"
-#include "tools/run_folder.h"
+#include "core/base/error.h"
+#include "core/files/write_file.h"
+#include "tools/run/run_folder.h"
 
 namespace umax {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/locked_folder.h"
+#include "tools/system/locked_folder.h"
 
 namespace umax {
 

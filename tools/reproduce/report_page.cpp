@@ -1,5 +1,5 @@
-#include "render/html.h"
-#include "render/write_file.h"
+#include "core/files/write_file.h"
+#include "tools/pages/html.h"
 #include "tools/reproduce/report.h"
 
 namespace umax {

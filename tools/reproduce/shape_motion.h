@@ -5,7 +5,7 @@
 // are orthogonal in it and  1/2 <v, v> = 1/2 <v_rigid, v_rigid> + 1/2 <v_affine, v_affine> + 1/2 <v_waves, v_waves>.
 #pragma once
 
-#include "core/model.h"
+#include "core/model/model.h"
 
 namespace umax {
 

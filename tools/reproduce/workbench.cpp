@@ -2,16 +2,16 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
-#include "render/image_io.h"
+#include "core/base/error.h"
+#include "core/files/sha256.h"
+#include "render/image/image_io.h"
 #include "scenes/resolved_scene.h"
 #include "scenes/scene_file.h"
-#include "scenes/sha256.h"
-#include "tools/camera_framing.h"
-#include "tools/job.h"
-#include "tools/painter.h"
-#include "tools/shot.h"
-#include "tools/signals.h"
+#include "tools/pictures/painter.h"
+#include "tools/pictures/shot.h"
+#include "tools/run/job.h"
+#include "tools/setup/camera_framing.h"
+#include "tools/system/signals.h"
 
 namespace umax {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "render/annotate.h"
-#include "tools/options.h"
+#include "render/annotation/annotate.h"
 #include "tools/reproduce/report_folder.h"
-#include "tools/simulation_setup.h"
-#include "tools/steps_csv.h"
+#include "tools/run/options.h"
+#include "tools/run/steps_csv.h"
+#include "tools/setup/simulation_setup.h"
 
 namespace umax {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/heat.h"
-#include "tools/run_folder.h"
-#include "tools/shot.h"
+#include "tools/pictures/heat.h"
+#include "tools/pictures/shot.h"
+#include "tools/run/run_folder.h"
 
 namespace umax {
 namespace {

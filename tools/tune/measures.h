@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "tools/camera_framing.h"
-#include "tools/steps_csv.h"
+#include "tools/run/steps_csv.h"
+#include "tools/setup/camera_framing.h"
 
 namespace umax {
 

@@ -3,10 +3,10 @@
 #include <set>
 #include <utility>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "scenes/presets.h"
 #include "scenes/scene_file.h"
-#include "tools/job.h"
+#include "tools/run/job.h"
 #include "tools/tune/preview.h"
 #include "tools/tune/snippet.h"
 #include "tools/tune/tuning.h"

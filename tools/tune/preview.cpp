@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "embedding/voxelize.h"
-#include "tools/simulation_setup.h"
+#include "embedding/cage/voxelize.h"
+#include "tools/setup/simulation_setup.h"
 
 namespace umax {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/annotate.h"
-#include "render/image_io.h"
-#include "tools/run_folder.h"
-#include "tools/signals.h"
+#include "render/annotation/annotate.h"
+#include "render/image/image_io.h"
+#include "tools/run/run_folder.h"
+#include "tools/system/signals.h"
 
 namespace umax {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/clip.h"
-#include "tools/progress.h"
+#include "tools/run/clip.h"
+#include "tools/system/progress.h"
 
 namespace umax {
 

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/write_file.h"
-#include "tools/run_folder.h"
+#include "core/files/write_file.h"
+#include "tools/run/run_folder.h"
 
 namespace umax {
 namespace fs = std::filesystem;

@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/error.h"
-#include "render/html.h"
-#include "render/write_file.h"
-#include "tools/run_folder.h"
-#include "tools/subprocess.h"
+#include "core/base/error.h"
+#include "core/files/write_file.h"
+#include "tools/pages/html.h"
+#include "tools/run/run_folder.h"
+#include "tools/system/subprocess.h"
 
 namespace umax {
 

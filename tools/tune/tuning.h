@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "tools/options.h"
+#include "tools/run/options.h"
 #include "tools/tune/tune_folder.h"
 #include "tools/tune/variants.h"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <string_view>
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "scenes/scene_file.h"
 
 namespace umax {

@@ -9,9 +9,9 @@
 #include <set>
 #include <string_view>
 
-#include "core/error.h"
-#include "tools/signals.h"
-#include "tools/subprocess.h"
+#include "core/base/error.h"
+#include "tools/system/signals.h"
+#include "tools/system/subprocess.h"
 
 namespace umax {
 namespace {

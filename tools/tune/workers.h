@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/progress.h"
+#include "tools/system/progress.h"
 
 namespace umax {
 

@@ -1,0 +1,244 @@
+#include "core/contact/contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/parallel.h"
+#include "core/contact/contact_detection.h"
+#include "core/contact/edge_contact.h"
+
+namespace umax {
+namespace {
+
+// no surface vertex may end a step deeper than this share of the cell size
+constexpr double penetration_tolerance = 1e-3;
+constexpr double kept_share = 0.5;  // of it, that a start's depth may keep: what a solution may add fits in the rest
+constexpr Eigen::Index hexes_per_block = 64;
+
+Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point) {
+  return nodes.transpose() * model.surface.weights.row(point).transpose();
+}
+
+// depths [m] that a vertex may have at the end of the step, by how deep it was at the start
+struct AllowedDepth {
+  double deep = 0;     // of a start beyond the tolerance: pushed out at a bounded speed, not at once
+  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work, up to a share
+};
+
+AllowedDepth allowed_depth(const ContactStep& step, int obstacle, int hex, const Vector8d& weights) {
+  const Vector3d before = embedded_position(*step.model, step.positions_t0, hex, weights);
+  const double depth =
+      -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
+  const double tolerance = tolerance_depth(*step.model, hex);
+  if (depth <= tolerance) return {0, std::clamp(depth, 0.0, kept_share * tolerance)};
+  return {std::max(0.0, depth - step.recovery[step.model->hex_body[hex]]), 0};
+}
+
+// distance of a vertex at the end of the step and the outward direction, in the world
+DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3d& position) {
+  const Pose& pose = step.poses_t1[obstacle];
+  DistanceSample sample = signed_distance(step.model->obstacles[obstacle].shape, pose.local(position));
+  sample.gradient = pose.rotation * sample.gradient;
+  return sample;
+}
+
+double pair_friction(const Model& model, int hex, int obstacle) {
+  return std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
+}
+
+void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
+  const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
+  const DistanceSample sample = end_distance(step, contact.obstacle, position);
+  const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.hex, contact.weights);
+  contact.gap = sample.distance + allowed.deep + allowed.shallow;
+  contact.position = position;
+  contact.normal = sample.gradient;
+  contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, position);
+}
+
+void append(const ContactStep& step, const Points& positions, int point, int obstacle, int hex, const Vector8d& weights,
+            std::vector<Contact>& contacts) {
+  Contact contact;
+  contact.point = point;
+  contact.obstacle = obstacle;
+  contact.hex = hex;
+  contact.weights = weights;
+  contact.friction = pair_friction(*step.model, hex, obstacle);
+  contacts.push_back(contact);
+  if (point >= 0)
+    place_vertex_contact(step, positions, contacts.back());
+  else
+    place_edge_contact(step, positions, contacts.back());
+}
+
+bool in_set(const std::vector<Contact>& contacts, std::size_t count, int point, int obstacle) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (contacts[i].point == point && contacts[i].obstacle == obstacle) return true;
+  return false;
+}
+
+// the deepest vertex of one hex against one obstacle, if any is below -threshold
+bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const BoundingSphere& sphere, int hex,
+                    int obstacle, double threshold, ContactCandidate& deepest) {
+  const Model& model = *step.model;
+  const ContactGeometry& geometry = *step.geometry;
+  const double centre_distance =
+      signed_distance(model.obstacles[obstacle].shape, step.poses_t1[obstacle].local(sphere.centre)).distance;
+  if (centre_distance > sphere.radius) return false;
+  deepest = {-1, obstacle, hex, -threshold};
+  const double tie = tied_depth(model, hex);
+  for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
+    const int point = geometry.hex_points[k];
+    double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
+    if (gap < deepest.gap - tie)
+      gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
+    if (gap < deepest.gap - tie) deepest.point = point, deepest.gap = gap;
+  }
+  return deepest.point >= 0;
+}
+
+std::vector<ContactCandidate> vertex_candidates(const ContactStep& step, const Points& positions, double share) {
+  const Model& model = *step.model;
+  const Eigen::Index num_blocks = (model.num_hexes() + hexes_per_block - 1) / hexes_per_block;
+  std::vector<std::vector<ContactCandidate>> per_block(num_blocks);
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (int hex = int(begin); hex < int(end); ++hex) {
+      if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
+      const Matrix8x3d nodes = hex_nodes(model, positions, hex);
+      const BoundingSphere sphere = bounding_sphere(nodes);
+      ContactCandidate candidate;
+      for (int obstacle = 0; obstacle < int(model.obstacles.size()); ++obstacle)
+        if (deepest_vertex(step, nodes, sphere, hex, obstacle, share * tolerance_depth(model, hex), candidate))
+          per_block[begin / hexes_per_block].push_back(candidate);
+    }
+  });
+  std::vector<ContactCandidate> all;
+  for (const std::vector<ContactCandidate>& block : per_block) all.insert(all.end(), block.begin(), block.end());
+  return all;
+}
+
+// half the speed of a fall through one cell, or a small share of the speed of sound where nothing falls: gentle at any
+// scale
+double recovery_speed(const Model::BodyRange& body, double gravity, double time) {
+  const double sound = std::sqrt(body.material.young.at(time) / body.material.density);
+  return std::max(0.5 * std::sqrt(gravity * body.cell_size), 0.01 * sound);
+}
+
+}  // namespace
+
+double tolerance_depth(const Model& model, int hex) {
+  return penetration_tolerance * model.bodies[model.hex_body[hex]].cell_size;
+}
+
+Vector3d embedded_position(const Model& model, const Points& positions, int hex, const Vector8d& weights) {
+  Vector3d position = Vector3d::Zero();
+  for (int n = 0; n < 8; ++n) position += weights[n] * positions.row(model.hexes(hex, n)).transpose();
+  return position;
+}
+
+ContactGeometry make_contact_geometry(const Model& model) {
+  ContactGeometry geometry;
+  geometry.hex_starts.assign(model.num_hexes() + 1, 0);
+  for (Eigen::Index p = 0; p < model.surface.size(); ++p) ++geometry.hex_starts[model.surface.hex[p] + 1];
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) geometry.hex_starts[e + 1] += geometry.hex_starts[e];
+  geometry.hex_points.resize(model.surface.size());
+  std::vector<int> next(geometry.hex_starts.begin(), geometry.hex_starts.end() - 1);
+  for (Eigen::Index p = 0; p < model.surface.size(); ++p) geometry.hex_points[next[model.surface.hex[p]]++] = int(p);
+
+  double cell_size = std::numeric_limits<double>::infinity();
+  for (const Model::BodyRange& body : model.bodies) cell_size = std::min(cell_size, body.cell_size);
+  for (const Obstacle& obstacle : model.obstacles) {
+    geometry.edges.push_back(edge_points(obstacle.shape, cell_size / 6));
+  }
+  return geometry;
+}
+
+ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
+                               double time_t0, double time_step, double gravity) {
+  ContactStep step;
+  step.model = &model;
+  step.geometry = &geometry;
+  step.positions_t0 = positions_t0;
+  for (const Obstacle& obstacle : model.obstacles) {
+    step.poses_t0.push_back(pose_at(obstacle, time_t0));
+    step.poses_t1.push_back(pose_at(obstacle, time_t0 + time_step));
+  }
+  for (const Model::BodyRange& body : model.bodies)
+    step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
+  return step;
+}
+
+void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
+  for (Contact& contact : contacts) {
+    if (contact.point >= 0)
+      place_vertex_contact(step, positions, contact);
+    else
+      place_edge_contact(step, positions, contact);
+  }
+}
+
+void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
+  for (Contact& contact : contacts) {
+    const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
+    contact.gap += contact.normal.dot(position - contact.position);
+    contact.position = position;
+  }
+}
+
+int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts) {
+  const std::size_t known = contacts.size();
+  std::vector<ContactCandidate> candidates = vertex_candidates(step, positions, share);
+  const std::vector<ContactCandidate> edges = edge_candidates(step, positions, share);
+  candidates.insert(candidates.end(), edges.begin(), edges.end());
+  for (const ContactCandidate& candidate : candidates) {
+    if (in_set(contacts, known, candidate.point, candidate.obstacle)) continue;
+    const Vector8d weights = candidate.point >= 0
+                                 ? Vector8d(step.model->surface.weights.row(candidate.point).transpose())
+                                 : Vector8d::Constant(0.125);
+    append(step, positions, candidate.point, candidate.obstacle, candidate.hex, weights, contacts);
+  }
+  return int(contacts.size() - known);
+}
+
+std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin) {
+  const Model& model = *step.model;
+  std::vector<int> near;
+  for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
+    if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
+    const BoundingSphere sphere = bounding_sphere(hex_nodes(model, positions, hex));
+    const double reach = sphere.radius + margin * model.bodies[model.hex_body[hex]].cell_size;
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+      if (signed_distance(model.obstacles[o].shape, step.poses_t1[o].local(sphere.centre)).distance <= reach) {
+        near.push_back(hex);
+        break;
+      }
+  }
+  return near;
+}
+
+double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time) {
+  if (model.obstacles.empty()) return 0;
+  std::vector<Pose> poses;
+  for (const Obstacle& obstacle : model.obstacles) poses.push_back(pose_at(obstacle, time));
+  VectorXd deepest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    double& block_deepest = deepest[begin / hexes_per_block];
+    for (int hex = int(begin); hex < int(end); ++hex) {
+      if (geometry.hex_starts[hex] == geometry.hex_starts[hex + 1]) continue;
+      const Matrix8x3d nodes = hex_nodes(model, positions, hex);
+      const BoundingSphere sphere = bounding_sphere(nodes);
+      for (std::size_t o = 0; o < poses.size(); ++o) {
+        const ObstacleShape& shape = model.obstacles[o].shape;
+        if (signed_distance(shape, poses[o].local(sphere.centre)).distance > sphere.radius) continue;
+        for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
+          const Vector3d p = surface_position(model, nodes, geometry.hex_points[k]);
+          block_deepest = std::max(block_deepest, -signed_distance(shape, poses[o].local(p)).distance);
+        }
+      }
+    }
+  });
+  return deepest.maxCoeff();
+}
+
+}  // namespace umax

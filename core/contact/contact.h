@@ -1,0 +1,78 @@
+// Contact between embedded surfaces and obstacles: which points touch, where, how deep.
+//
+// Unilateral constraint      g_i(x) >= 0      g_i: signed distance of surface point i to an obstacle at the step's end
+// [m] Linearised                 g_i + n . J_i dx >= 0,  J_i = the 8 trilinear weights of the point in its hex All
+// surface vertices are candidates, and sample points along the obstacles' edges against the body's surface. For the
+// solve they are clustered: the deepest one per hex and obstacle joins the working set, again and again, until none of
+// the others lies deeper than the tolerance.
+#pragma once
+
+#include <vector>
+
+#include "core/model/model.h"
+
+namespace umax {
+
+/// One contact constraint of the working set.
+struct Contact {
+  int point = 0;     // surface vertex; or -1 - k for the obstacle's edge point k
+  int obstacle = 0;  // index into Model::obstacles
+  int hex = 0;       // where on the body, with
+  Vector8d weights = Vector8d::Zero();
+  Vector3d normal = Vector3d::UnitY();          // world, out of the obstacle
+  double gap = 0;                               // [m] to be kept >= 0: distance and the depth still allowed
+  double friction = 0;                          // [-]
+  Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
+  Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
+  Vector3d impulse = Vector3d::Zero();          // [N s] world, on the body
+};
+
+/// Sample points along an obstacle's edges and corners, in its own frame.
+struct EdgePoints {
+  Points positions;  // #P x 3 [m]
+  Points normals;    // #P x 3 unit, mean of the faces that meet there
+};
+
+/// What detection needs that never changes during a run.
+struct ContactGeometry {
+  std::vector<int> hex_starts;    // #E + 1 into hex_points
+  std::vector<int> hex_points;    // surface vertices by hex
+  std::vector<EdgePoints> edges;  // per obstacle
+};
+ContactGeometry make_contact_geometry(const Model& model);
+
+/// What detection needs during one step.
+struct ContactStep {
+  const Model* model = nullptr;
+  const ContactGeometry* geometry = nullptr;
+  std::vector<Pose> poses_t0, poses_t1;  // per obstacle
+  Points positions_t0;                   // #N x 3 [m]
+  std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
+};
+ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
+                               double time_t0, double time_step, double gravity);
+
+/// Depth [m] below which a vertex of the hex counts as touching, not as penetrating: a thousandth of its body's cells.
+double tolerance_depth(const Model& model, int hex);
+
+/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
+void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+
+/// Refreshes the gaps along the normals that the contacts have; normals and places stay. For iterations that would
+/// otherwise flip for ever between two faces at an edge: staying outside one face's plane is staying outside.
+void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+
+/// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the
+/// set. share 0: every touching hex. Returns the number added.
+int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts);
+
+/// The hexes with surface vertices that are within a margin [cells of their body] of an obstacle at the step's end.
+std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin);
+
+/// The deepest surface vertex at the given time [m], 0 if none penetrates.
+double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time);
+
+/// Position of a point that rides in a hex.
+Vector3d embedded_position(const Model& model, const Points& positions, int hex, const Vector8d& weights);
+
+}  // namespace umax

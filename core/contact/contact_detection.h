@@ -1,0 +1,38 @@
+// What the detection of vertices and of edges shares.
+#pragma once
+
+#include <cmath>
+
+#include "core/contact/contact.h"
+
+namespace umax {
+
+/// A point that may join the working set.
+struct ContactCandidate {
+  int point = 0, obstacle = 0, hex = 0;  // as in Contact
+  double gap = 0;                        // [m]
+};
+
+/// Points whose depths [m] differ by less are tied: the first one counts, whatever rounding says.
+inline double tied_depth(const Model& model, int hex) {
+  return 1e-6 * tolerance_depth(model, hex);
+}
+
+struct BoundingSphere {
+  Vector3d centre;
+  double radius;
+};
+
+/// Trilinear maps stay in the convex hull of the nodes, so the sphere holds every point of the hex.
+inline BoundingSphere bounding_sphere(const Matrix8x3d& nodes) {
+  const Vector3d centre = nodes.colwise().mean().transpose();
+  return {centre, std::sqrt((nodes.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff())};
+}
+
+/// Motion [m] during the step of the obstacle's point that is at position_t1 at its end.
+inline Vector3d obstacle_point_motion(const ContactStep& step, int obstacle, const Vector3d& position_t1) {
+  const Vector3d local = step.poses_t1[obstacle].local(position_t1);
+  return position_t1 - step.poses_t0[obstacle].world(local);
+}
+
+}  // namespace umax

@@ -1,0 +1,25 @@
+// Edges and corners of obstacles against a body's surface: where a body's own vertices are too far apart to feel them.
+//
+// phi: rest distance of the body's surface; X(P): the material at the edge point P
+// gap = phi(X(P)) / |F^-T grad phi|,  normal = -F^-T grad phi / |F^-T grad phi|
+#pragma once
+
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/contact/contact_detection.h"
+
+namespace umax {
+
+/// Sample points along the shape's edges at most `spacing` [m] apart (a mesh brings its own); none for round shapes.
+EdgePoints edge_points(const ObstacleShape& shape, double spacing);
+
+/// For each hex and obstacle, the deepest edge point with gap < -share * tolerance_depth, of bodies with a rest
+/// distance.
+std::vector<ContactCandidate> edge_candidates(const ContactStep& step, const Points& positions, double share);
+
+/// Refreshes place, gap, normal and obstacle_motion of an edge point's contact. One that has left the cage is still
+/// measured from the hex that it left.
+void place_edge_contact(const ContactStep& step, const Points& positions, Contact& contact);
+
+}  // namespace umax

@@ -1,0 +1,53 @@
+// Projected Gauss-Seidel for energy limits and frictional contacts together.  [PPO13] Eq. 23, Sect. 5
+//
+// Unknowns z: 3 world components of impulse per contact, then one multiplier per limit; w = W z + q.
+//   contact i:  n.w_i + bias_i >= 0  perp  n.z_i >= 0,   |z_t| <= friction n.z, z_t opposes w_t (Coulomb's cone)
+//   limit e:    w_e >= 0             perp  z_e >= 0
+#pragma once
+
+#include <vector>
+
+#include "core/base/types.h"
+
+namespace umax {
+
+struct ContactRow {
+  Vector3d normal = Vector3d::UnitY();
+  double friction = 0;  // [-]
+  double bias = 0;      // [m/s] what the normal velocity may be short of
+};
+
+struct ComplementarityProblem {
+  MatrixXd W;  // symmetric, 3 contacts + limits
+  VectorXd q;
+  std::vector<ContactRow> contacts;  // the first 3 * size() rows
+  int num_limits = 0;                // the last rows
+};
+
+struct GaussSeidelOptions {
+  int max_sweeps = 2000;    // raising it costs time on ill-conditioned problems, helps nothing else
+  double tolerance = 1e-6;  // [-] a sweep's largest change relative to the largest unknown of its kind
+};
+
+struct GaussSeidelResult {
+  int sweeps = 0;
+  bool converged = false;
+};
+
+/// Improves z in place from its start value (warm start; 0 is always admissible).
+GaussSeidelResult gauss_seidel(const ComplementarityProblem& problem, const GaussSeidelOptions& options, VectorXd& z);
+
+/// A contact's own part of W, and by how much its force is changed for a motion.
+struct ContactBlock {
+  Matrix3d W = Matrix3d::Zero();
+  double normal_stiffness = 0, friction_stiffness = 0;
+};
+ContactBlock make_contact_block(const Matrix3d& W, const Vector3d& normal);
+
+/// The contact's next force: the normal one first, then friction within the new cone. w: its motion with `force`.
+Vector3d relaxed_force(const ContactRow& contact, const ContactBlock& block, const Vector3d& w, const Vector3d& force);
+
+/// Nearest point of the disc |t| <= radius in the plane across the normal.
+Vector3d project_to_disc(const Vector3d& tangential, double radius);
+
+}  // namespace umax

@@ -1,1 +1,0 @@
-#include "core/multigrid_kernel_body.h"

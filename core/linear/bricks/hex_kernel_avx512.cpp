@@ -1,0 +1,1 @@
+#include "core/linear/bricks/multigrid_kernel_body.h"

@@ -1,0 +1,237 @@
+// The one source of the kernels: hex_kernel_<instruction set>.cpp includes it under its own compiler options.
+#pragma once
+
+#include "core/linear/bricks/hex_cell_kernel.h"
+
+namespace umax::UMAX_SIMD {
+
+inline constexpr int rows = brick_edge + 1;  // of cells that touch a brick's nodes, along x and y
+template <class T>
+inline constexpr int vectors = brick_lanes / width<T>;  // per line
+inline constexpr int row_lines = rows + 1;              // of nodes in a plane of those cells
+
+/// What a task keeps between rows of cells. Its address must not leave the inlined functions: the compiler would have
+/// to suspect every store of changing it.
+template <class T>
+struct Tile {
+  Vec<T> plane_modes[2][vectors<T>][rows][4][3];  // of the node planes before and after the cells, by row of cells
+  Vec<T> upper_forces[vectors<T>][rows][4][3];    // that the cells of the plane before give to this one
+  Vec<T> above[brick_edge][3];                    // that the vector of cells below gives to this one, by row
+  T last_lanes[longest_run][brick_lines][3];      // the same at the end of each line of the bricks below
+};
+
+/// Where the lines of a node plane begin, and those of the cells below it.
+template <class T, class S>
+struct Lines {
+  const T* nodes[row_lines];
+  const T* next_nodes[row_lines];  // in the bricks above
+  const S* frames[rows];           // null: no cells
+};
+
+// place of a line of the halo: which brick along the axis, and its index there
+UMAX_INLINE int brick_step(int index) {
+  return index < 0 ? -1 : index >= brick_edge ? 1 : 0;
+}
+
+// node plane p = -1 .. 8 count of a run, and cell plane p - 1
+template <class T, class S>
+UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p, Lines<T, S>& lines) {
+  const auto column_of = [&](int plane) {  // the brick beside which a plane lies
+    return plane < 0 ? 0 : plane < brick_edge * run.count ? plane / brick_edge : run.count - 1;
+  };
+  const int here = column_of(p), below = column_of(p - 1);
+  const Brick& node_brick = sweep.bricks[run.bricks[here]];
+  const Brick& cell_brick = sweep.bricks[run.bricks[below]];
+  const int di = brick_step(p - brick_edge * here), below_di = brick_step(p - 1 - brick_edge * below);
+  for (int j = -1; j <= brick_edge; ++j) {
+    const int line = brick_edge * (p & (brick_edge - 1)) + (j & (brick_edge - 1));
+    const std::int32_t* near = node_brick.near + near_index(di, brick_step(j), 0);
+    lines.nodes[j + 1] = sweep.x + line_offset(near[0], line, vector_components);
+    lines.next_nodes[j + 1] = sweep.x + line_offset(near[1], line, vector_components);
+    if (j == brick_edge || p < 0) continue;
+    const int cell_line = brick_edge * ((p - 1) & (brick_edge - 1)) + (j & (brick_edge - 1));
+    const int brick = cell_brick.near[near_index(below_di, brick_step(j), 0)];
+    const bool has_cells = sweep.bricks[brick].cell_lines >> cell_line & 1;
+    lines.frames[j + 1] = has_cells ? sweep.frames + line_offset(brick, cell_line, frame_components) : nullptr;
+  }
+}
+
+// sum and difference along z of a node line: s[0 .. 2], s[3 .. 5]
+template <class T, class S>
+UMAX_INLINE void transform_line(const Lines<T, S>& lines, int j, int v, Vec<T> (&s)[2][3]) {
+  const bool last = (v + 1) * width<T> == brick_lanes;
+  const T* line = lines.nodes[j] + v * width<T>;
+  const T* next = last ? lines.next_nodes[j] : line + width<T>;
+  for (int c = 0; c < 3; ++c) {
+    const Vec<T> x = load<T>(line + c * brick_lanes);
+    const Vec<T> x1 = shift_down(x, load<T>(next + c * brick_lanes));
+    s[0][c] = x1 + x;
+    s[1][c] = x1 - x;
+  }
+}
+
+// along y: the four halves of a row from its two lines; `left` moves on to the right
+template <class V>
+UMAX_INLINE void transform_row(const V (&right)[2][3], V (&left)[2][3], V (&after)[4][3]) {
+  for (int part = 0; part < 2; ++part)
+    for (int c = 0; c < 3; ++c) {
+      after[part][c] = right[part][c] + left[part][c];
+      after[2 + part][c] = right[part][c] - left[part][c];
+      left[part][c] = right[part][c];
+    }
+}
+
+template <class T, class S, Epilogue E>
+UMAX_INLINE void finish(const Sweep<T, S>& sweep, const Lanes<T>& lanes, std::size_t slot, int lane, Vec<T>* y,
+                        Vec<T>& sum) {
+  using V = Vec<T>;
+  const std::size_t at = vector_components * slot + lane;
+  const V w = load<T>(sweep.diagonal + slot + lane);
+  if constexpr (E == Epilogue::force) {
+    for (int c = 0; c < 3; ++c) {
+      const V f = load<T>(sweep.b + at + c * brick_lanes) - y[c];
+      store<T>(static_cast<T*>(sweep.out) + at + c * brick_lanes, where_positive<T>(w, f));
+    }
+    return;
+  }
+  V x[3];
+  for (int c = 0; c < 3; ++c) {
+    x[c] = load<T>(sweep.x + at + c * brick_lanes);
+    y[c] = multiply_add(w, x[c], y[c]);
+  }
+  if constexpr (E == Epilogue::apply) {
+    for (int c = 0; c < 3; ++c) {
+      y[c] = where_positive<T>(w, y[c]);
+      sum = multiply_add(x[c], y[c], sum);
+      store<T>(static_cast<T*>(sweep.out) + at + c * brick_lanes, y[c]);
+    }
+  } else if constexpr (E == Epilogue::residual) {
+    for (int c = 0; c < 3; ++c) {
+      const V r = where_positive<T>(w, load<T>(sweep.b + at + c * brick_lanes) - y[c]);
+      sum = multiply_add(r, r, sum);
+      store<T>(static_cast<float*>(sweep.out) + at + c * brick_lanes, r);
+    }
+  } else {
+    const float* inverse = sweep.inverse + inverse_components * slot + lane;
+    V d[6], r[3], b[3];
+    for (int q = 0; q < 6; ++q) d[q] = load<T>(inverse + q * brick_lanes);
+    for (int c = 0; c < 3; ++c) {
+      b[c] = load<T>(sweep.b + at + c * brick_lanes);
+      r[c] = (b[c] - y[c]) * lanes.gain;
+    }
+    const V z[3] = {multiply_add(d[2], r[2], multiply_add(d[1], r[1], d[0] * r[0])),
+                    multiply_add(d[4], r[2], multiply_add(d[3], r[1], d[1] * r[0])),
+                    multiply_add(d[5], r[2], multiply_add(d[4], r[1], d[2] * r[0]))};
+    T* out = static_cast<T*>(sweep.out) + at;
+    for (int c = 0; c < 3; ++c) {
+      V next = multiply_add(lanes.keep, x[c], z[c]);
+      if (sweep.momentum != 0) next = multiply_add(lanes.momentum, load<T>(out + c * brick_lanes), next);
+      sum = multiply_add(b[c], next, sum);
+      store<T>(out + c * brick_lanes, next);
+    }
+  }
+}
+
+// back along z at a node line: y from the sums h of its even and odd parts
+template <class T>
+UMAX_INLINE void finish_line(const Vec<T> (&h)[2][3], int v, Vec<T>* above, T* last_lanes, Vec<T>* y) {
+  for (int c = 0; c < 3; ++c) {
+    const Vec<T> up = h[0][c] + h[1][c];
+    const Vec<T> before = v == 0 ? broadcast<T>(last_lanes[c]) : above[c];
+    y[c] = (h[0][c] - h[1][c]) + shift_up(before, up);
+    if (v + 1 == vectors<T>)
+      last_lanes[c] = up[width<T> - 1];
+    else
+      above[c] = up;
+  }
+}
+
+// One vector of cells along z for all rows between two node planes: completes the lower plane, which is plane p - 1 of
+// the run, where it is one of the run's own.
+template <class T, class S, Epilogue E>
+UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, const BrickRun& run,
+                             const Lines<T, S>& lines, int p, int v, Tile<T>& tile, Vec<T>& sum) {
+  using V = Vec<T>;
+  V left[2][3], carried[2][3];
+  for (int c = 0; c < 3; ++c) carried[0][c] = carried[1][c] = V{};
+  const int column = p > 0 ? (p - 1) / brick_edge : 0, first_line = brick_edge * ((p - 1) & (brick_edge - 1));
+  const std::uint64_t own_lines = p > 0 ? sweep.bricks[run.bricks[column]].node_lines >> first_line : 0;
+  transform_line(lines, 0, v, left);
+  for (int row = 0; row < rows; ++row) {
+    V right[2][3], forces[8][3], h[2][3];
+    const V(&before)[4][3] = tile.plane_modes[~p & 1][v][row];
+    V(&after)[4][3] = tile.plane_modes[p & 1][v][row];
+    V(&upper)[4][3] = tile.upper_forces[v][row];
+    transform_line(lines, row + 1, v, right);
+    transform_row(right, left, after);
+    end_of_stage(left);
+    end_of_stage(after);
+    if (p < 0) continue;
+
+    if (const S* frames = lines.frames[row]) {
+      frames += v * width<T>;
+      local_forces<T, S, E>(lanes, frames, after, before, forces);
+      spread_even<T>(frames, forces, upper, carried[0], h[0]);
+      end_of_stage(carried[0]);
+      end_of_stage(h[0]);
+      spread_odd<T>(frames, forces, upper, carried[1], h[1]);
+    } else {
+      for (int part = 0; part < 2; ++part)
+        for (int c = 0; c < 3; ++c) {
+          spread(V(upper[part][c]), V(upper[2 + part][c]), carried[part][c], h[part][c]);
+          upper[part][c] = upper[2 + part][c] = V{};
+        }
+    }
+    if (row == 0 || !(own_lines >> (row - 1) & 1)) continue;
+    const int line = first_line + row - 1;
+    V y[3];
+    finish_line<T>(h, v, tile.above[row - 1], tile.last_lanes[run.first_column + column][line], y);
+    finish<T, S, E>(sweep, lanes, line_offset(run.bricks[column], line, 1), v * width<T>, y, sum);
+  }
+}
+
+template <class T, class S, Epilogue E>
+double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRun* last) {
+  using V = Vec<T>;
+  const Lanes<T> lanes = broadcast_all(sweep);
+  Tile<T> tile;
+  Lines<T, S> lines;
+  double total = 0;
+  for (const BrickRun* run = first; run < last; ++run) {
+    for (int n = 0; n < run->count; ++n)
+      if (!sweep.bricks[run->bricks[n]].continues)
+        __builtin_memset(tile.last_lanes[run->first_column + n], 0, sizeof(tile.last_lanes[0]));
+    for (auto& row : tile.upper_forces)
+      for (auto& halves : row)
+        for (auto& half : halves)
+          for (V& value : half) value = V{};
+    V sum{};
+    for (int p = -1; p <= brick_edge * run->count; ++p) {
+      find_lines(sweep, *run, p, lines);
+      for (int v = 0; v < vectors<T>; ++v) sweep_plane<T, S, E>(sweep, lanes, *run, lines, p, v, tile, sum);
+    }
+    total += sum_of_lanes<T>(sum);
+  }
+  return total;
+}
+
+template <class T, class S>
+constexpr void fill(SweepFunction<T, S>* table) {
+  table[int(Epilogue::apply)] = sweep_runs<T, S, Epilogue::apply>;
+  table[int(Epilogue::residual)] = sweep_runs<T, S, Epilogue::residual>;
+  table[int(Epilogue::chebyshev)] = sweep_runs<T, S, Epilogue::chebyshev>;
+  table[int(Epilogue::force)] = sweep_runs<T, S, Epilogue::force>;
+}
+
+constexpr HexKernels make_kernels() {
+  HexKernels kernels;
+  fill<float, float>(kernels.float_sweeps);
+  fill<double, float>(kernels.mixed_sweeps);
+  fill<double, double>(kernels.double_sweeps);
+  return kernels;
+}
+
+extern const HexKernels kernels;
+constexpr HexKernels kernels = make_kernels();
+
+}  // namespace umax::UMAX_SIMD

@@ -1,0 +1,128 @@
+// The step's matrix without the matrix:  A = diag(w) + sum_e s_e Y R_e K R_e^T  on a lattice of bricks.
+//
+// Node vectors stand in bricks (core/linear/bricks/brick.h), zero at nodes that are fixed or not there; the result is zero there too.
+// Deterministic: the same bits for any number of threads; another instruction set gives another rounding.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "core/linear/bricks/aligned_array.h"
+#include "core/linear/bricks/brick_lattice.h"
+#include "core/linear/bricks/hadamard_hex.h"
+
+namespace umax {
+
+/// A's values; S: float or double.
+template <class S>
+struct HexMatrix {
+  AlignedArray<S> frames;    // 9 per cell: sqrt(s_e Y) R_e row-major [sqrt(Pa)]
+  AlignedArray<S> diagonal;  // per node: w [N/m], e.g. mass / h^2; > 0 free, < 0 fixed, 0 where there is no node
+};
+
+template <class S>
+HexMatrix<S> make_hex_matrix(const BrickLattice& lattice);
+
+/// Lattice, box constants and kernels: what does not change from step to step.
+struct HexOperator {
+  const BrickLattice* lattice = nullptr;
+  HexConstants<double> constants;
+  HexConstants<float> float_constants;
+  InstructionSet instruction_set = InstructionSet::portable;
+};
+
+HexOperator make_hex_operator(const BrickLattice& lattice, const HexShape& box,
+                              InstructionSet instruction_set = best_instruction_set());
+
+/// out = A x; returns x . A x.
+template <class T, class S>
+double apply(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& x, AlignedArray<T>& out);
+
+/// out = b - A x; returns its squared norm (before rounding to float).
+template <class T, class S>
+double residual(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& b, const AlignedArray<T>& x,
+                AlignedArray<float>& out);
+
+/// Coefficients of next = keep x + momentum previous + gain D^-1 (b - A x).
+struct ChebyshevStep {
+  float keep = 1, momentum = 0, gain = 0;
+};
+
+/// Overwrites `previous` with the next iterate; inverse: D^-1 (6 per node). Returns b . next.
+double chebyshev(const HexOperator& op, const HexMatrix<float>& matrix, const AlignedArray<float>& inverse,
+                 const ChebyshevStep& step, const AlignedArray<float>& b, const AlignedArray<float>& x,
+                 AlignedArray<float>& previous);
+
+/// out = external - elastic forces at these positions: sum_e s_e R_e K (R_e^T x - X).
+template <class S>
+void force(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<double>& external,
+           const AlignedArray<double>& positions, AlignedArray<double>& out);
+
+/// Sets the frames: R_e from the deformation gradient at each cell's centre, s_e from `stiffness` (s Y per cell [Pa]).
+void set_frames(const HexOperator& op, const AlignedArray<double>& positions, const AlignedArray<float>& stiffness,
+                HexMatrix<float>& matrix);
+
+/// Where masks (64 per brick) have a bit set, the frame is sqrt(s) times any matrix of norm sqrt(3): makes it one of
+/// that matrix's polar factor (core/element/rotation.h).
+void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>& frames);
+
+/// Node values (3 #N, Lattice's order) to bricks and back; slots: node_slots().
+template <class T>
+void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks);
+template <class T>
+void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
+
+/// The block D^-1 of the node in a slot, from 6 numbers per node.
+inline Matrix3f inverse_block(const AlignedArray<float>& inverse, int slot) {
+  const float* d = inverse.data() + slot_offset(slot, inverse_components);
+  Matrix3f block;
+  block << d[0], d[brick_lanes], d[2 * brick_lanes],           //
+      d[brick_lanes], d[3 * brick_lanes], d[4 * brick_lanes],  //
+      d[2 * brick_lanes], d[4 * brick_lanes], d[5 * brick_lanes];
+  return block;
+}
+
+/// Values of a hex's nodes, 3 each, from bricks; nodes: slots.
+inline Eigen::Matrix<float, 24, 1> gather_nodes(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
+  Eigen::Matrix<float, 24, 1> local;
+  for (int n = 0; n < 8; ++n)
+    for (int c = 0; c < 3; ++c)
+      local[3 * n + c] = x[slot_offset(nodes[n], vector_components) + std::size_t(c) * brick_lanes];
+  return local;
+}
+
+/// x += of_node, at the node in a slot.
+inline void add_at_node(int slot, const Vector3f& of_node, AlignedArray<float>& x) {
+  for (int c = 0; c < 3; ++c) x[slot_offset(slot, vector_components) + std::size_t(c) * brick_lanes] += of_node[c];
+}
+
+/// x += local, at a hex's nodes.
+inline void add_at_nodes(const std::array<int, 8>& nodes, const Eigen::Matrix<float, 24, 1>& local,
+                         AlignedArray<float>& x) {
+  for (int n = 0; n < 8; ++n) add_at_node(nodes[n], local.segment<3>(3 * n), x);
+}
+
+/// to = from, on all threads.
+inline void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  for_each_column(lattice, [&](int first, int last) {
+    std::copy(from.data() + first * brick_values, from.data() + last * brick_values, to.data() + first * brick_values);
+    return 0.0;
+  });
+}
+
+/// a . b of node vectors, summed in double and in a fixed order.
+template <class T>
+double dot(const BrickLattice& lattice, const AlignedArray<T>& a, const AlignedArray<T>& b) {
+  constexpr std::size_t brick_values = brick_slots * vector_components;
+  return for_each_column(lattice, [&](int first, int last) {
+    double sums[brick_lanes] = {};
+    for (std::size_t i = first * brick_values; i < last * brick_values; i += brick_lanes)
+      for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += double(a[i + lane]) * double(b[i + lane]);
+    double total = 0;
+    for (const double sum : sums) total += sum;
+    return total;
+  });
+}
+
+}  // namespace umax

@@ -1,0 +1,63 @@
+// Sparse Cholesky factorisation with the symbolic analysis kept: the direct linear solver.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "core/linear/direct/system_matrix.h"
+
+namespace umax {
+
+/// All nodes in a fill-reducing order in which subtrees of the elimination tree stay together; those in `last`
+/// (ascending) come after everything that they depend on: all that is eliminated after one of them is in `last` too.
+std::vector<int> elimination_order(const Model& model, const std::vector<int>& last);
+
+/// Owns a factor. Deterministic: one BLAS thread is the caller's duty (tools set it), orderings are seeded.
+class SparseCholesky {
+ public:
+  SparseCholesky();
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  /// Numeric factorisation; analyses the pattern on the first call, which all later matrices must share. False if the
+  /// matrix is not positive definite.
+  bool factorize(const SystemMatrix& matrix);
+
+  /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
+  void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
+  /// Overwrites each column b with z = L^-1 b in elimination order, so that z_i . z_j = b_i . A^-1 b_j: half the work
+  /// of solve().
+  void half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
+  /// Number of unknowns of SystemMatrix::last, and the row in [0, num_last) of a node's first one, with the others
+  /// after it; -1: it is not among them.
+  int num_last() const;
+  int last_row(int node) const;
+
+  /// half_solve() of columns that are zero but for the unknowns eliminated last: num_last() rows.
+  void half_solve_last(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+
+ private:
+  void analyse(const SystemMatrix& matrix);
+  void extract_last();
+  Eigen::Map<const MatrixXd> solve_ordered(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// A Cholesky factor's columns in groups with the same rows, as CHOLMOD stores them: of group s the columns starts[s]
+/// .. starts[s + 1], its rows (diagonal ones first) from row_starts[s] on, values by columns from value_starts[s] on.
+struct SupernodalColumns {
+  std::vector<int> order;  // unknown at each rank
+  std::vector<int> starts, row_starts, value_starts, rows;
+  std::vector<double> values;
+};
+
+/// Factors a matrix given by its lower triangle, eliminated in this order (but subtrees put together). False if it is
+/// not positive definite; throws std::bad_alloc.
+bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order, SupernodalColumns& columns);
+
+}  // namespace umax

@@ -1,0 +1,62 @@
+// Geometric multigrid for the matrix-free operator: an approximate inverse of A that is symmetric and positive
+// definite, for conjugate gradients.
+//
+// A V-cycle. Coarse matrices are those of cells `factor` times larger (s: mean over the fine cells, 0 where there is
+// none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
+// Chebyshev polynomials in D^-1 A, D = 3 x 3 diagonal blocks, on [lambda / 8, lambda] with lambda the largest
+// eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are first coarsened along their short edges only.
+// The last level is factored (dense Cholesky). Single stiff hexes are solved for before and after (stiff_cells.h).
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "core/linear/bricks/hex_operator.h"
+#include "core/linear/bricks/multigrid_kernel.h"
+#include "core/linear/multigrid/stiff_cells.h"
+
+namespace umax {
+
+struct MultigridOptions {
+  int degree = 2;               // of the smoothing polynomials; more: fewer, dearer iterations
+  double local_contrast = 100;  // [-] of a hex with its neighbours from which it is solved for by itself
+  InstructionSet instruction_set = best_instruction_set();
+};
+
+struct MultigridLevel {
+  BrickLattice lattice;
+  HexShape shape;
+  HexOperator op;
+  HexMatrix<float> matrix;
+  AlignedArray<float> inverse;  // D^-1
+  AlignedArray<float> b;        // right-hand side; none on the first level
+  AlignedArray<float> x[2];     // iterates
+  std::vector<ChebyshevStep> steps;
+  Vector3i factor{2, 2, 2};             // to the next level
+  std::vector<BrickParents> parents;    // of the next level's bricks
+  std::vector<BrickChildren> children;  // of this level's bricks
+};
+
+struct Multigrid {
+  std::vector<MultigridLevel> levels;  // finest first; fill levels[0].matrix, then set_up()
+  std::vector<int> dense_slots;        // nodes of the last level
+  bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
+  Eigen::LLT<MatrixXd> dense;
+  double local_contrast = 0;
+  StiffCells stiff_cells;               // of the finest level
+  AlignedArray<float> corrected, rest;  // iterate and residual around the V-cycle, where there are stiff cells
+};
+
+/// Topology and memory for a lattice, whose cells have all the same Poisson's ratio.
+Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOptions& options = {});
+
+/// Everything that follows from levels[0].matrix. Values as small as 1 / 1000 of each other are fine.
+void set_up(Multigrid& multigrid);
+
+/// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
+const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);
+
+/// Bytes that it has allocated.
+std::size_t memory(const Multigrid& multigrid);
+
+}  // namespace umax

@@ -1,0 +1,20 @@
+// The steps of a V-cycle, for those who put something between them (core/linear/saddle/term_multigrid.h).
+#pragma once
+
+#include "core/linear/multigrid/multigrid.h"
+
+namespace umax {
+
+/// x[0] = gain D^-1 b.
+void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain);
+
+/// The next level's b = P^T (b - A x).
+void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, int current);
+
+/// x += P correction at free nodes.
+void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& correction, int current);
+
+/// A^-1 b on the last level, which must be factored: in its first array.
+AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b);
+
+}  // namespace umax

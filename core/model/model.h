@@ -1,0 +1,162 @@
+// What is simulated (Model, constant during a run) and how it is at an instant (State).
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/track.h"
+#include "core/base/triangle_mesh.h"
+#include "core/element/energy_parts.h"
+#include "core/element/hexahedron.h"
+#include "core/model/embedded_points.h"
+#include "core/model/lattice.h"
+#include "core/model/obstacle.h"
+
+namespace umax {
+
+enum class MassModel {
+  mesh,     // a hex weighs its filled fraction, at least 5 %
+  lattice,  // full cubes, as the paper
+};
+enum class LimitKind { none, hard, soft };
+enum class LimitUnit { energy, density, stretch };  // [J per hex], [J/m^3 of full hex], [-] uniaxial strain
+
+enum class LimitMeasure {
+  mean,  // the energy integrated over the hex
+  peak,  // V times the largest density at its quadrature points: bending cannot hide behind the mean
+};
+
+struct EnergyLimitOptions {
+  LimitKind kind = LimitKind::none;
+  LimitUnit unit = LimitUnit::stretch;
+  Track<double> value{0.2};  // in the unit above; stretch as a fraction, 0.2 for 20 %
+  LimitMeasure measure = LimitMeasure::mean;
+};
+
+/// Limits on parts of the energy, beside the one on the whole. Stretch: the energy that this uniaxial stretch puts into
+/// the part.
+struct PartLimitOptions {
+  EnergyLimitOptions volumetric, deviatoric, fibre;
+  Vector3d fibre_direction{1, 0, 0};  // in the rest shape as it is placed (world axes at time 0); of any length
+};
+
+struct MaterialOptions {
+  Track<double> young{500e3};  // [Pa]
+  double poisson = 0.3;        // [-]
+  double density = 500;        // [kg/m^3]
+  MassModel mass = MassModel::mesh;
+  double damping_mass = 0;       // [1/s] Rayleigh alpha
+  double damping_stiffness = 0;  // [s] Rayleigh beta
+};
+
+/// The limit on a part of the energy, of a body's two fields.
+EnergyLimitOptions& limit_on(EnergyLimitOptions& whole, PartLimitOptions& parts, EnergyPart part);
+const EnergyLimitOptions& limit_on(const EnergyLimitOptions& whole, const PartLimitOptions& parts, EnergyPart part);
+
+/// One body as the caller describes it to make_model().
+struct Body {
+  std::string name;
+  Lattice lattice;  // placed in world coordinates at time 0
+  MaterialOptions material;
+  EnergyLimitOptions limit;  // on the whole energy
+  PartLimitOptions part_limits;
+  double friction = 0.5;         // [-]
+  Vector3d velocity{0, 0, 0};    // [m/s]
+  Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
+  std::vector<int> fixed_nodes;  // lattice nodes that stay put
+  VectorXd young_factor;         // #E [-] of each hex on Young's modulus; empty: 1
+  VectorXd limit_factor;         // #E [-] of each hex on its limits, whatever their unit; empty: 1
+  Points fibre_directions;       // #E x 3 as fibre_direction, of each hex; empty: that one everywhere
+  EmbeddedPoints surface;        // the mesh's vertices in this lattice: contact candidates
+  Points surface_rest;           // #P x 3 [m] their rest positions
+  std::shared_ptr<const SampledDistance>
+      rest_distance;  // of the rest surface; may be null: obstacle edges pass through
+};
+
+/// One constraint 1 - U/U_max >= 0 on an energy of a hex.
+struct HexLimit {
+  int hex = 0;
+  EnergyPart part = EnergyPart::whole;  // of which the body's limit gives U_max
+  LimitKind kind = LimitKind::hard;     // never none
+  int form = -1;                        // of U, in Model::limit_forms; -1: the whole energy that solver.energy names
+};
+
+/// All bodies in one system of nodes and hexes. Built by make_model(); read-only afterwards.
+struct Model {
+  struct BodyRange {
+    std::string name;
+    int first_node = 0, num_nodes = 0;
+    int first_hex = 0, num_hexes = 0;
+    int first_point = 0, num_points = 0;  // in `surface`
+    MaterialOptions material;
+    EnergyLimitOptions limit;
+    PartLimitOptions part_limits;
+    double friction = 0;
+    double cell_size = 0;          // [m] smallest edge of its hexes: the unit of contact tolerances
+    Cells cells;                   // #E of the body x 3 grid coordinates; empty: an irregular mesh
+    Vector3d cell_edges{0, 0, 0};  // [m] of a regular lattice
+    std::shared_ptr<const SampledDistance> rest_distance;
+  };
+  std::vector<BodyRange> bodies;
+  std::vector<Obstacle> obstacles;
+
+  Points rest_positions;         // #N x 3 [m]
+  Points initial_velocities;     // #N x 3 [m/s]
+  VectorXd node_mass;            // #N [kg] lumped
+  std::vector<char> node_fixed;  // #N
+  Hexes hexes;                   // #E x 8
+  VectorXi corners;              // 8 #E corners of hexes, 8 e + n, grouped by their node and ascending
+  VectorXi corner_starts;        // #N + 1 those of a node: corner_starts[node] ... corner_starts[node + 1] - 1
+  std::vector<HexShape> shapes;  // distinct element shapes
+  VectorXi hex_shape;            // #E index into shapes
+  VectorXi hex_body;             // #E index into bodies
+  VectorXd young_factor;         // #E [-] on the body's Young's modulus
+  VectorXd limit_factor;         // #E [-] on the body's limits
+  Points fibre_directions;       // #E x 3 unit vectors
+  std::vector<HexLimit> limits;  // #L grouped by hex; of a hex whole, volumetric, deviatoric, fibre, points ascending
+  VectorXi limit_starts;         // #E + 1 the limits of hex e: limit_starts[e] ... limit_starts[e + 1] - 1
+  std::vector<Matrix24d> limit_forms;  // K' of limited parts and points for unit Young's modulus, shared
+  EmbeddedPoints surface;              // all bodies' surface vertices; hex indices are global
+
+  Eigen::Index num_nodes() const { return rest_positions.rows(); }
+  Eigen::Index num_hexes() const { return hexes.rows(); }
+};
+
+/// Throw Error (bad_data) that names the body or obstacle, the key and the value, unless all can be simulated.
+void validate(const Body& body);
+void validate(const Obstacle& obstacle);
+
+/// Validates all of them.
+Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles);
+
+/// Young's modulus [Pa] of a hex at a time [s], and U_max [J] of a part of its energy (infinity: none).
+double young_at(const Model& model, Eigen::Index hex, double time);
+double energy_limit_at(const Model& model, Eigen::Index hex, double time, EnergyPart part = EnergyPart::whole);
+
+/// Everything that influences later steps, and nothing else.
+struct State {
+  /// Impulse of a contact of the last step, for warm starts.
+  struct ContactImpulse {
+    int point = -1;  // surface vertex; or -1 - (obstacle's edge point)
+    int obstacle = -1;
+    int hex = -1;                         // that held it
+    Vector3d impulse = Vector3d::Zero();  // [N s] world
+  };
+  double time = 0;             // [s]
+  long long step = 0;          // time steps done
+  bool been_feasible = false;  // all hard limits have held once
+  Points positions;            // #N x 3 [m]
+  Points velocities;           // #N x 3 [m/s]
+  VectorXd limit_multipliers;  // #L [J] force-level, >= 0: limit force = -(multiplier / U_max) dU/dx
+  std::vector<ContactImpulse> contacts;
+};
+
+/// Rest shape with the bodies' initial velocity and spin, at time 0.
+State rest_state(const Model& model);
+
+/// The 8 node positions of a hex.
+Matrix8x3d hex_nodes(const Model& model, const Points& positions, Eigen::Index hex);
+
+}  // namespace umax

@@ -1,0 +1,187 @@
+#include "core/problem/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/contact/gauss_seidel.h"
+#include "core/model/hex_limits.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index hexes_per_block = 32;
+constexpr Eigen::Index nodes_per_block = 512;
+constexpr double negligible_motion = 1e-6;  // [cells] in a step: where nothing acts, rounding must not count
+
+// natural map of the cone complementarity in units of force: 0 iff gap, force and sliding satisfy Signorini and Coulomb
+double cone_residual(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  const double stiffness = contact_mass(*problem.model, contact) / (problem.h * problem.h);
+  const Vector3d force = contact.impulse / problem.h;
+  const double normal_force = contact.normal.dot(force);
+  const double normal = normal_force - std::max(0.0, normal_force - stiffness * contact.gap);
+  const Vector3d motion = relative_motion(problem, positions, contact);
+  const Vector3d sliding = motion - contact.normal.dot(motion) * contact.normal;
+  const Vector3d tangential = force - normal_force * contact.normal;
+  const Vector3d friction =
+      tangential - project_to_disc(tangential - stiffness * sliding, contact.friction * std::max(0.0, normal_force));
+  return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
+}
+
+// what moves the heaviest node by the negligible distance
+double negligible_force(const StepProblem& problem) {
+  double largest = 0;
+  for (const Model::BodyRange& body : problem.model->bodies)
+    largest = std::max(largest, problem.model->node_mass.segment(body.first_node, body.num_nodes).maxCoeff() *
+                                    negligible_motion * body.cell_size / (problem.h * problem.h));
+  return largest;
+}
+
+// of a Lagrangian's gradient at free nodes: the largest component of the sum, and of any kind of force
+struct LargestForces {
+  double sum = 0, of_any_kind = 0;
+};
+
+LargestForces largest_forces(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                             const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  const Model& model = *problem.model;
+  VectorXd contact = VectorXd::Zero(3 * model.num_nodes());
+  for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, contact);
+  std::vector<LargestForces> of_blocks(std::size_t((model.num_nodes() + nodes_per_block - 1) / nodes_per_block));
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];
+    for (Eigen::Index node = begin; node < end; ++node) {
+      if (model.node_fixed[node]) continue;
+      const Vector3d inertia = inertia_at(problem, positions, node),
+                     weight = model.node_mass[node] * problem.options->gravity,
+                     internal = evaluation.internal.segment<3>(3 * node),
+                     limits = limits_at(model, evaluation, limit_factors, node), push = contact.segment<3>(3 * node);
+      largest.sum = std::max(largest.sum, (inertia + internal + limits - push).cwiseAbs().maxCoeff());
+      for (const Vector3d& force : {Vector3d(inertia + weight), weight, internal, limits, push})
+        largest.of_any_kind = std::max(largest.of_any_kind, force.cwiseAbs().maxCoeff());
+    }
+  });
+  LargestForces largest{0, negligible_force(problem)};
+  for (const LargestForces& of_block : of_blocks) {
+    largest.sum = std::max(largest.sum, of_block.sum);
+    largest.of_any_kind = std::max(largest.of_any_kind, of_block.of_any_kind);
+  }
+  return largest;
+}
+
+// energy and gradient of one limit of a hex whose elastic ones are known
+void evaluate_limit(const StepProblem& problem, int l, const CorotatedHex& hex, Evaluation& evaluation) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const HexLimit& limit = model.limits[l];
+  const double young = problem.young[limit.hex];
+  const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
+  evaluation.energy[l] =
+      true_whole ? evaluation.elastic_energy[limit.hex] : limited_energy(model, solver.energy, limit, young, hex);
+  if (evaluation.limit.cols() == 0) return;
+  if (true_whole && solver.jacobian == LimitJacobian::exact)
+    evaluation.limit.col(l) = evaluation.elastic.col(limit.hex);
+  else
+    evaluation.limit.col(l) =
+        limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, young, hex);
+}
+
+}  // namespace
+
+void evaluate(const StepProblem& problem, const Points& positions, Evaluation& evaluation) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const bool own_limit_gradients = solver.energy != EnergyMeasure::true_energy ||
+                                   solver.jacobian != LimitJacobian::exact || !model.limit_forms.empty();
+  const bool damped = !problem.rotations_t0.empty();
+  evaluation.hexes.resize(problem.is_assembled ? model.num_hexes() : 0);
+  evaluation.elastic.resize(24, model.num_hexes());
+  evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
+  evaluation.limit.resize(24, own_limit_gradients ? problem.limits.size() : 0);
+  evaluation.elastic_energy.resize(model.num_hexes());
+  evaluation.energy.resize(problem.limits.size());
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      const HexShape& shape = model.shapes[model.hex_shape[e]];
+      const Matrix8x3d x = hex_nodes(model, positions, e);
+      const CorotatedHex hex = corotate(shape, solver.rotation, x);
+      const double young = problem.young[e];
+      const EnergyWithGradient elastic =
+          energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
+      evaluation.elastic_energy[e] = elastic.energy;
+      evaluation.elastic.col(e) = elastic.gradient;
+      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
+        evaluate_limit(problem, l, hex, evaluation);
+      if (damped) {
+        const Matrix8x3d velocity = (x - hex_nodes(model, problem.positions_t0, e)) / problem.h;
+        evaluation.damping.col(e) =
+            problem.damping_stiffness[e] * warped_product(shape.stiffness, young, problem.rotations_t0[e], velocity);
+      }
+      if (problem.is_assembled) evaluation.hexes[e] = hex;
+    }
+  });
+  evaluation.internal = gather(model, evaluation.elastic);
+  if (damped) evaluation.internal += gather(model, evaluation.damping);
+}
+
+VectorXd gather(const Model& model, const HexColumns& elements) {
+  VectorXd nodal = VectorXd::Zero(3 * model.num_nodes());
+  if (elements.cols() == 0) return nodal;
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i)
+        nodal.segment<3>(3 * node) += elements.col(model.corners[i] / 8).segment<3>(3 * (model.corners[i] % 8));
+  });
+  return nodal;
+}
+
+Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::Index node) {
+  const Vector3d v1 = (positions.row(node) - problem.positions_t0.row(node)).transpose() / problem.h;
+  const Vector3d v0 = problem.velocities_t0.row(node).transpose();
+  return problem.model->node_mass[node] *
+         ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - problem.options->gravity);
+}
+
+Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i) {
+    const int hex = model.corners[i] / 8, n = model.corners[i] % 8;
+    for (int l = model.limit_starts[hex]; l < model.limit_starts[hex + 1]; ++l)
+      if (factors[l] != 0) sum += factors[l] * evaluation.limit_gradient(model, l).segment<3>(3 * n);
+  }
+  return sum;
+}
+
+double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  double sum = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    const Vector3d motion = (positions.row(node) - problem.positions_t0.row(node)).transpose();
+    const Vector3d unforeseen = motion - h * problem.velocities_t0.row(node).transpose();
+    sum += model.node_mass[node] *
+           (unforeseen.squaredNorm() / (2 * h * h) + problem.damping_mass[node] * motion.squaredNorm() / (2 * h) -
+            problem.options->gravity.dot(motion));
+  }
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) sum += evaluation.elastic_energy[e];
+  for (Eigen::Index e = 0; e < evaluation.damping.cols(); ++e) {
+    const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
+    sum += 0.5 * evaluation.damping.col(e).dot(Eigen::Map<const Vector24d>(motion.data()));
+  }
+  return sum;
+}
+
+double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                   const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  return largest_forces(problem, evaluation, positions, limit_factors, contacts).of_any_kind;
+}
+
+double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                    const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  double cone = 0;
+  for (const Contact& contact : contacts) cone = std::max(cone, cone_residual(problem, positions, contact));
+  const LargestForces largest = largest_forces(problem, evaluation, positions, limit_factors, contacts);
+  return std::max(largest.sum, cone) / largest.of_any_kind;
+}
+
+}  // namespace umax

@@ -1,0 +1,167 @@
+#include "core/problem/iterate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/element/limit_law.h"
+#include "core/element/rotation.h"
+#include "core/model/hex_limits.h"
+
+namespace umax {
+namespace {
+
+// A limit that holds to its tolerance may still give or take energy; more than this share of the tolerance of all the
+// energy there is would show as energy that rises from nowhere.
+constexpr double negligible_work = 1e-4;
+constexpr double hidden_work = 0.1;    // share of what the integrator loses in the step anyway
+constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
+
+// the body's rest shape, moved and turned to where its nodes are
+void place_undeformed(const Model& model, const Model::BodyRange& body, Points& positions) {
+  const auto mass = model.node_mass.segment(body.first_node, body.num_nodes);
+  const auto rest = model.rest_positions.middleRows(body.first_node, body.num_nodes);
+  auto placed = positions.middleRows(body.first_node, body.num_nodes);
+  const Eigen::RowVector3d rest_centre = mass.transpose() * rest / mass.sum();
+  const Eigen::RowVector3d centre = mass.transpose() * placed / mass.sum();
+  const Points arms = rest.rowwise() - rest_centre;
+  const Matrix3d rotation = polar_rotation((placed.rowwise() - centre).transpose() * mass.asDiagonal() * arms);
+  placed = (arms * rotation.transpose()).rowwise() + centre;
+}
+
+// kinetic energy, elastic energy and the weight times the bodies' heights [J]
+double energy_scale(const StepProblem& problem, const Iterate& iterate) {
+  const Model& model = *problem.model;
+  double sum = iterate.evaluation.elastic_energy.sum();
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    sum += 0.5 * model.node_mass[node] * problem.velocities_t0.row(node).squaredNorm();
+  for (const Model::BodyRange& body : model.bodies) {
+    const auto rest = model.rest_positions.middleRows(body.first_node, body.num_nodes);
+    const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    sum += model.node_mass.segment(body.first_node, body.num_nodes).sum() * problem.options->gravity.norm() * diagonal;
+  }
+  return sum;
+}
+
+// what implicit Euler loses in the step [J]: 1/2 |v1 - v0|^2 by mass
+double integrator_loss(const StepProblem& problem, const Points& positions) {
+  const Model& model = *problem.model;
+  double sum = 0;
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node) {
+    const Eigen::RowVector3d velocity = (positions.row(node) - problem.positions_t0.row(node)) / problem.h;
+    sum += 0.5 * model.node_mass[node] * (velocity - problem.velocities_t0.row(node)).squaredNorm();
+  }
+  return sum;
+}
+
+// work of limits [J] that cannot show
+double bearable_work(const StepProblem& problem, const Iterate& iterate) {
+  return negligible_work * problem.options->solver.tolerance * energy_scale(problem, iterate) +
+         hidden_work * integrator_loss(problem, iterate.positions);
+}
+
+// which bodies nothing holds up: no clamp, and no obstacle in the step before
+std::vector<char> falling_bodies(const Model& model, const State& state) {
+  std::vector<char> falls(model.bodies.size(), 1);
+  for (std::size_t b = 0; b < falls.size(); ++b) {
+    const auto first = model.node_fixed.begin() + model.bodies[b].first_node;
+    if (std::find(first, first + model.bodies[b].num_nodes, 1) != first + model.bodies[b].num_nodes) falls[b] = 0;
+  }
+  for (const State::ContactImpulse& contact : state.contacts) falls[std::size_t(model.hex_body[contact.hex])] = 0;
+  return falls;
+}
+
+}  // namespace
+
+Iterate predict(const StepProblem& problem, const State& state) {
+  const Model& model = *problem.model;
+  const double h = problem.h;
+  const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
+  const std::vector<char> falls = falling_bodies(model, state);
+  Iterate iterate;
+  iterate.positions = problem.positions_t0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    for (int i = 0; i < model.bodies[b].num_nodes; ++i) {
+      const int node = model.bodies[b].first_node + i;
+      if (model.node_fixed[node]) continue;
+      const Eigen::RowVector3d velocity = problem.velocities_t0.row(node);
+      iterate.positions.row(node) +=
+          h * (falls[b] ? Eigen::RowVector3d((velocity + gained) / (1 + h * problem.damping_mass[node])) : velocity);
+    }
+  iterate.multipliers = state.limit_multipliers;
+  iterate.released.assign(model.limits.size(), 0);
+  iterate.contacts = recall_contacts(problem, state, iterate.positions);
+  return iterate;
+}
+
+Iterate predict_undeformed(const StepProblem& problem, const State& state) {
+  const Model& model = *problem.model;
+  Iterate iterate = predict(problem, state);
+  for (const Model::BodyRange& body : model.bodies) place_undeformed(model, body, iterate.positions);
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    if (model.node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
+  iterate.multipliers.setZero();
+  for (Contact& contact : iterate.contacts) contact.impulse.setZero();
+  update_contacts(problem.contact, iterate.positions, iterate.contacts);
+  return iterate;
+}
+
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+  const auto before = std::ptrdiff_t(iterate.contacts.size());
+  const int count =
+      add_contacts(problem.contact, iterate.positions + unflatten(step), problem.joining_share, iterate.contacts);
+  std::vector<Contact> added(iterate.contacts.begin() + before, iterate.contacts.end());
+  update_contacts(problem.contact, iterate.positions, added);
+  std::copy(added.begin(), added.end(), iterate.contacts.begin() + before);
+  return count;
+}
+
+VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
+  VectorXd factors(problem.limits.size());
+  for (Eigen::Index l = 0; l < factors.size(); ++l)
+    factors[l] = problem.model->limits[l].kind == LimitKind::hard
+                     ? iterate.multipliers[l] / problem.limits[l]
+                     : soft_limit_terms(iterate.evaluation.energy[l], problem.limits[l], {}).force;
+  return factors;
+}
+
+Quality assess(const StepProblem& problem, const Iterate& iterate) {
+  const Model& model = *problem.model;
+  Quality quality;
+  // a hex beyond its limit that is not pushed yet may be pushed as hard as the hardest pushed one is
+  const double largest = iterate.multipliers.size() ? iterate.multipliers.maxCoeff() : 0;
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    if (model.limits[l].kind != LimitKind::hard) continue;
+    const double ratio = iterate.evaluation.energy[l] / problem.limits[l];
+    quality.max_ratio = std::max(quality.max_ratio, ratio);
+    if (iterate.multipliers[l] > problem.options->solver.tolerance * problem.limits[l])
+      quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
+    const double multiplier = iterate.multipliers[l];
+    if (multiplier > 0 || ratio > 1)
+      quality.limit_work += (multiplier > 0 ? multiplier : largest) * std::abs(1 - ratio);
+  }
+  for (const Contact& contact : iterate.contacts)
+    quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));
+  quality.kkt =
+      kkt_residual(problem, iterate.evaluation, iterate.positions, limit_factors(problem, iterate), iterate.contacts);
+  return quality;
+}
+
+bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
+  const double tolerance = problem.options->solver.tolerance;
+  return is_balanced(quality.kkt, tolerance) && quality.max_ratio <= 1 + tolerance &&
+         quality.complementarity <= tolerance && quality.limit_work <= bearable_work(problem, iterate) &&
+         quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
+}
+
+void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {
+  if (!problem.options->on_iteration) return;
+  problem.options->on_iteration({.iteration = iteration,
+                                 .max_energy_ratio = quality.max_ratio,
+                                 .max_penetration = deepest(iterate.contacts),
+                                 .largest_move = iterate.last_move,
+                                 .kkt_residual = quality.kkt,
+                                 .limits_active = count_hexes(*problem.model, limit_factors(problem, iterate)),
+                                 .contacts = int(iterate.contacts.size())});
+}
+
+}  // namespace umax

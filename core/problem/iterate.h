@@ -1,0 +1,59 @@
+// The exact method's unknowns as they are improved, and how far they are from the step's solution.
+#pragma once
+
+#include <vector>
+
+#include "core/problem/evaluation.h"
+
+namespace umax {
+
+/// [-] Residual, in tolerances, of an iterate whose successor may be the step's solution.
+inline constexpr double near_solution = 3;
+
+/// Are forces in balance at an iterate with this residual [-], so that only limits and contacts may miss theirs?
+inline bool is_balanced(double kkt_residual, double tolerance) {
+  return kkt_residual <= tolerance;
+}
+
+struct Iterate {
+  Points positions;               // #N x 3 [m]
+  VectorXd multipliers;           // #L force-level [J]
+  std::vector<char> released;     // #L limits that are left out of the next linearisation
+  std::vector<Contact> contacts;  // working set, impulses in N s
+  Evaluation evaluation;          // at positions
+  double last_move = 0;           // [cells] largest node displacement of the last iteration
+  double kkt_fall = 1;            // [-] of the residual in the last iteration
+  bool indefinite = false;        // the exact Hessian was not positive definite at one of the last iterations
+};
+
+/// What decides whether the iterate is the solution.
+struct Quality {
+  double kkt = 0;
+  double max_ratio = 0;        // [-] U/U_max of hard limits
+  double complementarity = 0;  // [-] |U/U_max - 1| where a multiplier pushes
+  double depth = 0;            // deepest working-set contact, in penetration tolerances
+  double limit_work = 0;       // [J] that multipliers could do between here and where the limits hold exactly
+};
+
+/// Where nodes go by inertia, and where nothing holds their body up by gravity; the last step's multipliers and
+/// impulses.
+Iterate predict(const StepProblem& problem, const State& state);
+
+/// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
+Iterate predict_undeformed(const StepProblem& problem, const State& state);
+
+/// Vertices that a step would push in too deep join the contacts, as they are at the iterate. Returns their number.
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate);
+
+/// lambda/U_max, or the barrier's slope: #L factors [-] on G in the gradient of the Lagrangian.
+VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate);
+
+Quality assess(const StepProblem& problem, const Iterate& iterate);
+
+/// All constraints, stationarity and the last move within the solver's tolerance.
+bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate);
+
+/// Reports the iterate to StepOptions::on_iteration.
+void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
+
+}  // namespace umax

@@ -1,0 +1,140 @@
+#include "core/problem/step_problem.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/model/hex_limits.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index hexes_per_block = 64;
+constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
+
+std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate, const Points& positions) {
+  std::vector<Matrix3d> rotations(std::size_t(model.num_hexes()));
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e)
+      rotations[e] = corotate(model.shapes[model.hex_shape[e]], estimate, hex_nodes(model, positions, e)).rotation;
+  });
+  return rotations;
+}
+
+}  // namespace
+
+StepProblem materials_at(const Model& model, const StepOptions& options, double time) {
+  StepProblem problem;
+  problem.model = &model;
+  problem.options = &options;
+  problem.young.resize(model.num_hexes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) problem.young[e] = young_at(model, e, time);
+  problem.limits.resize(Eigen::Index(model.limits.size()));
+  for (std::size_t l = 0; l < model.limits.size(); ++l)
+    problem.limits[Eigen::Index(l)] = energy_limit_at(model, model.limits[l].hex, time, model.limits[l].part);
+  return problem;
+}
+
+StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
+                       const State& state) {
+  StepProblem problem = materials_at(model, options, state.time + options.time_step);
+  problem.h = options.time_step;
+  problem.joining_share *= std::min(1.0, options.solver.tolerance / SolverOptions{}.tolerance);
+  problem.positions_t0 = state.positions;
+  problem.velocities_t0 = state.velocities;
+  problem.damping_stiffness.resize(model.num_hexes());
+  problem.damping_mass.resize(model.num_nodes());
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
+    problem.damping_stiffness[e] = model.bodies[model.hex_body[e]].material.damping_stiffness;
+  if (problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0)
+    problem.rotations_t0 = rotations_at(model, options.solver.rotation, state.positions);
+  for (const Model::BodyRange& body : model.bodies)
+    problem.damping_mass.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
+  problem.contact =
+      begin_contact_step(model, geometry, state.positions, state.time, options.time_step, options.gravity.norm());
+  return problem;
+}
+
+VectorXd flatten(const Points& points) {
+  return Eigen::Map<const VectorXd>(points.data(), points.size());
+}
+
+Points unflatten(const VectorXd& vector) {
+  return Eigen::Map<const Points>(vector.data(), vector.size() / 3, 3);
+}
+
+void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) {
+  for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
+    if (model.node_fixed[node]) columns.middleRows<3>(3 * node).setZero();
+}
+
+VectorXd limit_ratios(const StepProblem& problem, const Points& positions) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  VectorXd ratios(problem.limits.size());
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e) {
+      if (model.limit_starts[e] == model.limit_starts[e + 1]) continue;
+      const HexShape& shape = model.shapes[model.hex_shape[e]];
+      const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
+      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
+        ratios[l] = 1 - limit_value(model, solver.energy, model.limits[l], problem.young[e], problem.limits[l], hex);
+    }
+  });
+  return ratios;
+}
+
+void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal) {
+  for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(contact.hex, n)) += contact.weights[n] * force;
+}
+
+double contact_mass(const Model& model, const Contact& contact) {
+  double mass = 0;
+  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
+  return mass;
+}
+
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  const Model& model = *problem.model;
+  return embedded_position(model, positions, contact.hex, contact.weights) -
+         embedded_position(model, problem.positions_t0, contact.hex, contact.weights) - contact.obstacle_motion;
+}
+
+double contact_penalty(const StepProblem& problem, const Contact& contact) {
+  const Model& model = *problem.model;
+  const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
+  return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
+}
+
+double deepest(const std::vector<Contact>& contacts) {
+  double depth = 0;
+  for (const Contact& contact : contacts) depth = std::max(depth, -contact.gap);
+  return depth;
+}
+
+void remember_contacts(const std::vector<Contact>& contacts, State& state) {
+  state.contacts.clear();
+  for (const Contact& contact : contacts)
+    if (contact.impulse.squaredNorm() > 0)
+      state.contacts.push_back({contact.point, contact.obstacle, contact.hex, contact.impulse});
+}
+
+std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
+  const Model& model = *problem.model;
+  std::vector<Contact> contacts;
+  for (const State::ContactImpulse& memory : state.contacts) {
+    Contact contact;
+    contact.point = memory.point;
+    contact.obstacle = memory.obstacle;
+    contact.hex = memory.hex;
+    contact.impulse = memory.impulse;
+    contact.friction =
+        std::max(model.bodies[model.hex_body[memory.hex]].friction, model.obstacles[memory.obstacle].friction);
+    contact.weights =
+        memory.point >= 0 ? Vector8d(model.surface.weights.row(memory.point).transpose()) : Vector8d::Constant(0.125);
+    contacts.push_back(contact);
+  }
+  update_contacts(problem.contact, positions, contacts);
+  return contacts;
+}
+
+}  // namespace umax

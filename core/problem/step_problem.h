@@ -1,0 +1,70 @@
+// What one time step solves, shared by the step solvers: materials and limits at its end, element states, the residual.
+#pragma once
+
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/linear/direct/system_matrix.h"
+#include "core/problem/step_options.h"
+
+namespace umax {
+
+/// Constant during one step.
+struct StepProblem {
+  const Model* model = nullptr;
+  const StepOptions* options = nullptr;
+  double h = 0;                        // [s]
+  Points positions_t0;                 // #N x 3 [m]
+  Points velocities_t0;                // #N x 3 [m/s]
+  VectorXd young;                      // #E [Pa] at the end of the step
+  VectorXd limits;                     // #L [J] U_max at the end of the step
+  VectorXd damping_mass;               // #N [1/s] Rayleigh alpha
+  VectorXd damping_stiffness;          // #E [s] Rayleigh beta
+  std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps
+  ContactStep contact;
+  // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
+  // deeper: half, or in proportion to a solver tolerance that is tighter than the default
+  double joining_share = 0.5;
+  bool last_attempt = true;  // a step that does not converge is not halved
+  bool is_assembled = true;  // its matrix is, from the hexes' states
+};
+
+/// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.
+StepProblem materials_at(const Model& model, const StepOptions& options, double time);
+
+/// What the step from the state to one time step later solves.
+StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
+                       const State& state);
+
+/// Node by node (x, y, z) as one vector of 3 #N, and back.
+VectorXd flatten(const Points& points);
+Points unflatten(const VectorXd& vector);
+
+/// Zeroes the rows of fixed nodes.
+void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns);
+
+/// U/U_max of every limit at the positions, rotations fresh: #L.
+VectorXd limit_ratios(const StepProblem& problem, const Points& positions);
+
+/// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
+void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
+
+/// Mass [kg] of the nodes around a contact point, by its weights.
+double contact_mass(const Model& model, const Contact& contact);
+
+/// Motion [m] of a contact point relative to the obstacle during the step that ends at the positions.
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact);
+
+/// Penalty [N/m] of an augmented Lagrangian on a contact: much stiffer than the hex that it holds.
+double contact_penalty(const StepProblem& problem, const Contact& contact);
+
+/// Depth [m] of the deepest contact of a working set, 0 where all are open.
+double deepest(const std::vector<Contact>& contacts);
+
+/// The impulses that the next step starts from.
+void remember_contacts(const std::vector<Contact>& contacts, State& state);
+
+/// Contacts of the last step that carried an impulse, placed at the given positions.
+std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions);
+
+}  // namespace umax

@@ -1,0 +1,144 @@
+#include "core/step/augmented_lagrangian.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/problem/step_length.h"
+#include "core/step/newton_system.h"
+
+namespace umax {
+namespace {
+
+constexpr double relative_penalty = 1e3;  // rho / U_max
+constexpr int max_inner_iterations = 12;  // factorisations between updates of the multipliers
+constexpr int max_backtracks = 25;
+constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
+constexpr double clear_violation = 0.01;      // of a limit, or of a penetration ten tolerances deep
+constexpr double falling = 0.95;              // by which share an update must reduce the violation
+constexpr int stalled_updates = 4;            // that did not
+constexpr double inner_accuracy = 1e-4;       // of the linear solver, where it is not direct
+constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradient
+
+Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
+  Linearisation at;
+  at.limits = limit_terms(problem, iterate, relative_penalty);
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+    if (problem.model->limits[l].kind == LimitKind::hard) at.limits[l].stiffening = at.limits[l].force;  // L's own
+  for (const Contact& contact : iterate.contacts)
+    at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
+                                            relative_motion(problem, iterate.positions, contact),
+                                            contact_penalty(problem, contact)));
+  return at;
+}
+
+double lagrangian(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
+  double sum = incremental_potential(problem, iterate.evaluation, iterate.positions);
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+    sum += problem.model->limits[l].kind == LimitKind::hard
+               ? hard_limit_energy(energy, limit, iterate.multipliers[l], relative_penalty * limit)
+               : soft_limit_energy(energy, limit, {});
+  }
+  for (const ContactTerms& terms : at.contacts) sum += terms.energy;
+  return sum;
+}
+
+// the iterate moved by a step, contacts along the normals that they have
+void move(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+  iterate.positions += unflatten(step);
+  iterate.last_move = largest_move(*problem.model, step);
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  follow_contacts(problem.contact, iterate.positions, iterate.contacts);
+}
+
+// moves the iterate along the step as far as L falls by a share of what its slope promises; false: nowhere
+bool descend(const StepProblem& problem, const VectorXd& step, double promised, double before, Iterate& iterate) {
+  double share = 1;
+  for (int backtracks = 0; backtracks < max_backtracks; ++backtracks, share *= 0.5) {
+    Iterate trial = iterate;
+    move(problem, share * step, trial);
+    if (lagrangian(problem, trial, linearise(problem, trial)) > before + sufficient_decrease * share * promised)
+      continue;
+    iterate = std::move(trial);
+    return true;
+  }
+  return false;
+}
+
+// Newton's method on L with the multipliers held; false if it ran out of iterations
+bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
+              StepReport& report) {
+  for (int i = 0; i < std::min(budget, max_inner_iterations); ++i) {
+    const Linearisation at = linearise(problem, iterate);
+    const VectorXd slope = gradient(problem, iterate, at);
+    VectorXd forces(problem.limits.size());
+    for (Eigen::Index l = 0; l < forces.size(); ++l) forces[l] = at.limits[l].force;
+    const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
+    if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
+      return true;
+
+    ++report.sqp_iterations;
+    VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
+    step *= bearable_share(*problem.model, step);
+
+    if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
+      return true;  // as low as rounding lets it
+    add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+  }
+  return false;
+}
+
+void update_multipliers(const StepProblem& problem, Iterate& iterate) {
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+    if (problem.model->limits[l].kind == LimitKind::hard)
+      iterate.multipliers[l] =
+          std::max(0.0, iterate.multipliers[l] + relative_penalty * (iterate.evaluation.energy[l] - problem.limits[l]));
+  for (Contact& contact : iterate.contacts) {
+    const double penalty = contact_penalty(problem, contact);
+    const Vector3d n = contact.normal;
+    const Vector3d pushed =
+        contact.impulse / problem.h - penalty * relative_motion(problem, iterate.positions, contact);
+    const double normal = std::max(0.0, n.dot(contact.impulse) / problem.h - penalty * contact.gap);
+    const Vector3d tangential = project_to_disc(pushed - n.dot(pushed) * n, contact.friction * normal);
+    contact.impulse = problem.h * (normal * n + tangential);
+  }
+}
+
+// how long the violation has not fallen
+struct Stall {
+  double least_violation = std::numeric_limits<double>::infinity();
+  int updates = 0;
+};
+
+// `settled`: the multipliers so far are held in balance
+bool is_stalled(const Quality& quality, bool settled, Stall& stall) {
+  const double violation = std::max(quality.max_ratio - 1, 0.0) + 1e-3 * quality.depth;
+  if (violation < falling * stall.least_violation || !settled) stall.updates = 0;
+  stall.least_violation = std::min(stall.least_violation, violation);
+  return violation > clear_violation && ++stall.updates > stalled_updates;
+}
+
+}  // namespace
+
+Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
+                            StepReport& report) {
+  const int first = report.sqp_iterations, most = problem.options->solver.max_augmented_iterations;
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+  Stall stall;
+  while (true) {
+    const bool settled = minimise(problem, workspace, most - (report.sqp_iterations - first), iterate, report);
+    update_multipliers(problem, iterate);
+    update_contacts(problem.contact, iterate.positions, iterate.contacts);
+    const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+    const Quality quality = assess(problem, iterate);
+    tell(problem, report.sqp_iterations, quality, iterate);
+    report.kkt_residual = quality.kkt;
+    if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
+    if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;
+    if (report.sqp_iterations - first >= most) return Search::unfinished;
+  }
+}
+
+}  // namespace umax

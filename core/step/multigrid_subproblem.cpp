@@ -1,0 +1,163 @@
+#include "core/step/multigrid_subproblem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/step/multilevel_compliance.h"
+
+namespace umax {
+namespace {
+
+constexpr double clear_share = 0.6;  // [-] of the depth that a solution may have
+// [-] Of the iterate's deepest contact, how deep one may be after a step that is not the last: where thousands are a
+// little too deep, corrections that bring all of them up at once are no response of single contacts.
+constexpr double left_share = 0.5;
+constexpr double moved_share = 0.05;  // [-] nor need it be less deep than this share of how far contacts move
+constexpr int max_corrections = 12;
+constexpr int max_clearings = 3;       // of these, where forces have settled and only depths are left to bring down
+constexpr double telling_fall = 0.35;  // [-] of the error, from which a solve shows a response to what was changed
+// [-] Fall of the error in a solve that corrections of contacts follow, and in these: what the first one leaves over
+// spoils what is learnt of the response to forces, and what corrections leave over the next ones make good.
+constexpr double first_fall = 0.05, correction_fall = 0.15;
+constexpr int max_contact_rounds = 6;  // detections per linearisation
+constexpr int max_sweeps = 200;
+constexpr double sweep_share = 0.01;         // of what is bearable
+constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
+
+// How a subproblem is solved, and how exactly.
+struct Accuracy {
+  double linear = 0;       // [-] of the linear system
+  double settled = 0;      // [-] change of the forces at which contacts are solved
+  bool final = false;      // contacts must be as shallow as the solution's
+  bool restoring = false;  // forces are in balance: only constraints are restored
+};
+
+// The linear system is solved no more exactly than the last iteration has shown to be of use (Eisenstat and Walker
+// 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
+// iterate is to the step's solution.
+Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
+  const bool restoring = is_balanced(kkt_residual, tolerance);
+  const double foretold = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05);
+  return {.linear = restoring ? restoring_accuracy : foretold,
+          .settled = std::clamp(0.3 * kkt_residual, std::min(tolerance, 0.1), 0.1),
+          .final = kkt_residual <= near_solution * tolerance,
+          .restoring = restoring};
+}
+
+// Forces [N], 3 per contact, and the error [-] that is left in the linear system with them.
+struct ContactSolution {
+  VectorXd forces;
+  double error = 0;
+};
+
+VectorXd push_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces) {
+  VectorXd push = VectorXd::Zero(3 * model.num_nodes());
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    spread(model, contacts[i], forces.segment<3>(3 * Eigen::Index(i)), push);
+  clear_fixed(model, push);
+  return push;
+}
+
+VectorXd known_forces(const StepProblem& problem, const std::vector<Contact>& contacts) {
+  VectorXd forces(3 * Eigen::Index(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    forces.segment<3>(3 * Eigen::Index(i)) = contacts[i].impulse / problem.h;
+  return forces;
+}
+
+// contacts as rows whose w is the motion relative to the obstacle, of which `fixed` is there before the step
+std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& iterate, VectorXd& fixed) {
+  std::vector<ContactRow> rows;
+  fixed.resize(3 * Eigen::Index(iterate.contacts.size()));
+  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+    const Contact& contact = iterate.contacts[i];
+    const Vector3d motion = relative_motion(problem, iterate.positions, contact);
+    fixed.segment<3>(3 * Eigen::Index(i)) = motion;
+    rows.push_back({contact.normal, contact.friction, contact.gap - contact.normal.dot(motion)});
+  }
+  return rows;
+}
+
+// is no contact deeper after the step than what is allowed [m], or a small share of what is bearable?
+bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
+              const VectorXd& w, double allowed) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
+    const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
+    if (gap < -std::max(allowed, clear_share * bearable)) return false;
+  }
+  return true;
+}
+
+SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& system, StepReport& report) {
+  const SaddlePointReport linear = improve(options, system);
+  report.linear_iterations += linear.iterations;
+  return linear;
+}
+
+void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
+                    StepReport& report, ContactSolution& solution) {
+  const Model& model = *problem.model;
+  MultilevelCompliance compliance = make_multilevel_compliance(model, system, iterate.contacts);
+  VectorXd fixed;
+  const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
+  VectorXd motions = contact_motions(model, iterate.contacts, system);
+  const double allowed = accuracy.final ? 0
+                                        : std::max(left_share * deepest(iterate.contacts),
+                                                   moved_share * motions.lpNorm<Eigen::Infinity>());
+  bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
+  int num_clearings = 0;
+  for (int i = 0; i < max_corrections; ++i) {
+    const VectorXd w = fixed + motions;
+    VectorXd forces = solution.forces;
+    gauss_seidel(compliance, rows, w - apply(compliance, forces),
+                 {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
+    const VectorXd change = forces - solution.forces;
+    const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
+    const bool balanced = missing <= bearable, settled = balanced && is_clear(problem, iterate, rows, w, allowed);
+    if (settled && solved) return;
+    if (!settled) {
+      solution.forces = forces;
+      add_contact_forces(model, iterate.contacts, change, system);
+    }
+    const SaddlePointReport linear =
+        improve({.tolerance = accuracy.linear, .reduction = settled ? 0 : correction_fall}, system, report);
+    solution.error = linear.error;
+    solved = settled || solution.error <= accuracy.linear;
+    if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
+    if (balanced && ++num_clearings == max_clearings && solved) return;
+    const VectorXd moved = contact_motions(model, iterate.contacts, system);
+    if (!settled && linear.error <= telling_fall * linear.started) learn(change, moved - motions, compliance);
+    motions = moved;
+  }
+  if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report).error;
+}
+
+}  // namespace
+
+NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& at, const VectorXd& grad,
+                               Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
+  const Model& model = *problem.model;
+  set_up_multigrid(problem, at, iterate, workspace);
+  ++report.factorisations;
+  const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
+  MultigridSystem& system = *workspace.multigrid;
+  ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
+  VectorXd missing = VectorXd::Zero(grad.size());
+  if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force);
+  begin(model, missing, system);
+  const double fall = iterate.contacts.empty() ? 0 : first_fall;
+  solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
+  NewtonStep newton;
+  for (int round = 0; round < max_contact_rounds; ++round) {
+    if (!iterate.contacts.empty()) solve_contacts(problem, iterate, accuracy, system, report, solution);
+    for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+      iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
+    newton = multigrid_step(model, at, system);
+    if (add_linearised_contacts(problem, newton.step, iterate) == 0) break;
+    solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
+  }
+  return newton;
+}
+
+}  // namespace umax

@@ -1,0 +1,255 @@
+#include "core/step/multilevel_compliance.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index most_measurements = 8;
+constexpr double least_independence = 0.1;  // [-] of a measured force from the others, in the norm of the response
+
+using Share = MultilevelCompliance::Share;
+
+// what moves under the forces so far
+struct Motion {
+  std::vector<Vector3d> nodes;
+  std::vector<VectorXd> last;  // per body
+};
+
+Motion at_rest(const MultilevelCompliance& compliance) {
+  Motion motion{std::vector<Vector3d>(compliance.inverses.size(), Vector3d::Zero()), {}};
+  for (const Eigen::Index rows : compliance.last_rows) motion.last.push_back(VectorXd::Zero(rows));
+  return motion;
+}
+
+void push(const MultilevelCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
+  const MultilevelCompliance::Point& point = compliance.points[contact];
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n)
+      motion.nodes[share.nodes[n]].noalias() += compliance.inverses[share.nodes[n]] * (share.weights[n] * force);
+  if (point.last_motion.size() > 0) motion.last[point.body].noalias() += point.last_motion.lazyProduct(force);
+}
+
+Vector3d motion_of(const MultilevelCompliance& compliance, int contact, const Motion& motion) {
+  const MultilevelCompliance::Point& point = compliance.points[contact];
+  Vector3d sum = Vector3d::Zero();
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n) sum += share.weights[n] * motion.nodes[share.nodes[n]];
+  if (point.last_motion.size() > 0)
+    for (int n = 0; n < 8; ++n)
+      sum += point.last.weights[n] * motion.last[point.body].segment<3>(3 * point.last.nodes[n]);
+  return sum;
+}
+
+// a point's cell and node weights on one level
+struct Place {
+  Vector3i cell;
+  Vector8d weights;
+};
+
+Place coarser(const Place& fine, const Vector3i& factor) {
+  Place coarse{fine.cell.cwiseQuotient(factor), Vector8d::Zero()};
+  for (int n = 0; n < 8; ++n) {
+    const Vector3i at = fine.cell + corner(n) - coarse.cell.cwiseProduct(factor);  // 0 ... factor
+    for (int m = 0; m < 8; ++m) coarse.weights[m] += fine.weights[n] * coarse_weight(at, factor, m);
+  }
+  return coarse;
+}
+
+// numbers for slots as they come
+class Numbering {
+ public:
+  int of(int slot) {
+    const auto [found, added] = numbers_.emplace(slot, int(slots_.size()));
+    if (added) slots_.push_back(slot);
+    return found->second;
+  }
+  const std::vector<int>& slots() const { return slots_; }
+
+ private:
+  std::map<int, int> numbers_;
+  std::vector<int> slots_;
+};
+
+// (A + G C^-1 G^T)^-1 between nodes of the last level
+MatrixXd last_inverse(const Multigrid& multigrid, const TermMultigrid& terms, const std::vector<int>& slots) {
+  const std::vector<int>& all = multigrid.dense_slots;
+  std::vector<Eigen::Index> rows;
+  for (const int slot : slots) rows.push_back(std::lower_bound(all.begin(), all.end(), slot) - all.begin());
+  MatrixXd columns = MatrixXd::Zero(3 * Eigen::Index(all.size()), 3 * Eigen::Index(slots.size()));
+  const auto is_free = [&](std::size_t i) { return multigrid.levels.back().matrix.diagonal[slots[i]] > 0; };
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (is_free(i)) columns.block<3, 3>(3 * rows[i], 3 * Eigen::Index(i)).setIdentity();
+  multigrid.dense.solveInPlace(columns);
+  MatrixXd inverse(columns.cols(), columns.cols());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    inverse.middleRows<3>(3 * Eigen::Index(i)) = columns.middleRows<3>(3 * rows[i]);
+  if (!terms.has_dense) return inverse;
+  MatrixXd responses(inverse.rows(), terms.responses.cols());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    responses.middleRows<3>(3 * Eigen::Index(i)) = terms.responses.middleRows<3>(3 * rows[i]);
+  inverse -= responses * terms.dense.solve(responses.transpose());
+  return inverse;
+}
+
+void add_body(const Model& model, int body, const BodyGrid& grid, const std::vector<Contact>& contacts,
+              MultilevelCompliance& compliance) {
+  const std::vector<MultigridLevel>& levels = grid.multigrid.levels;
+  const std::size_t num_single = levels.size() - (grid.multigrid.has_dense ? 1 : 0);
+  std::vector<Numbering> numberings(levels.size());
+  std::vector<int> of_body;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (model.hex_body[contacts[i].hex] == body) of_body.push_back(int(i));
+  for (const int i : of_body) {
+    MultilevelCompliance::Point& point = compliance.points[i];
+    point.body = body;
+    const Eigen::Index cell = contacts[i].hex - model.bodies[body].first_hex;
+    Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice.first_cell,
+                contacts[i].weights};
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      if (l > 0) place = coarser(place, levels[l - 1].factor);
+      Share share;
+      share.weights = place.weights;
+      for (int n = 0; n < 8; ++n) share.nodes[n] = numberings[l].of(slot_of(levels[l].lattice, place.cell + corner(n)));
+      if (l < num_single)
+        point.shares.push_back(share);
+      else
+        point.last = share;
+    }
+  }
+  for (std::size_t l = 0; l < num_single; ++l) {
+    const int first = int(compliance.inverses.size());
+    for (const int slot : numberings[l].slots())
+      compliance.inverses.push_back(inverse_block(levels[l].inverse, slot).cast<double>());
+    for (const int i : of_body)
+      for (int& node : compliance.points[i].shares[l].nodes) node += first;
+  }
+  if (!grid.multigrid.has_dense) return;
+  const MatrixXd last = last_inverse(grid.multigrid, grid.terms, numberings.back().slots());
+  compliance.last_rows[body] = last.rows();
+  for (const int i : of_body) {
+    MultilevelCompliance::Point& point = compliance.points[i];
+    point.last_motion = MatrixXd::Zero(last.rows(), 3);
+    for (int n = 0; n < 8; ++n)
+      point.last_motion += point.last.weights[n] * last.middleCols<3>(3 * point.last.nodes[n]);
+  }
+}
+
+Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompliance::Point& point) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (const Share& share : point.shares)
+    for (int n = 0; n < 8; ++n) sum += share.weights[n] * share.weights[n] * compliance.inverses[share.nodes[n]];
+  if (point.last_motion.size() > 0)
+    for (int n = 0; n < 8; ++n) sum += point.last.weights[n] * point.last_motion.middleRows<3>(3 * point.last.nodes[n]);
+  return sum;
+}
+
+// J B J^T f
+VectorXd apply_unmeasured(const MultilevelCompliance& compliance, const VectorXd& forces) {
+  Motion motion = at_rest(compliance);
+  const int count = int(compliance.points.size());
+  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
+  VectorXd motions(forces.size());
+  for (int i = 0; i < count; ++i) motions.segment<3>(3 * i) = motion_of(compliance, i, motion);
+  return motions;
+}
+
+}  // namespace
+
+MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
+                                                const std::vector<Contact>& contacts) {
+  MultilevelCompliance compliance;
+  compliance.points.resize(contacts.size());
+  compliance.last_rows.assign(system.bodies.size(), 0);
+  for (std::size_t body = 0; body < system.bodies.size(); ++body)
+    add_body(model, int(body), system.bodies[body], contacts, compliance);
+  for (const MultilevelCompliance::Point& point : compliance.points)
+    compliance.blocks.push_back(own_block(compliance, point));
+  return compliance;
+}
+
+VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces) {
+  VectorXd motions = apply_unmeasured(compliance, forces);
+  if (compliance.factors.cols() > 0)
+    motions += compliance.factors * (compliance.middle * (compliance.factors.transpose() * forces));
+  return motions;
+}
+
+void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance) {
+  const VectorXd assumed = apply_unmeasured(compliance, forces);
+  const double met = forces.dot(response), expected = forces.dot(assumed);
+  if (!(met > 0 && expected > 0)) return;
+  const double size = 1 / std::sqrt(met);  // S^T Y has ones on its diagonal
+  Eigen::Index first = compliance.forces.cols() == most_measurements ? 1 : 0;
+  const Eigen::Index kept = compliance.forces.cols();
+  MatrixXd S(forces.size(), kept + 1), Y(forces.size(), kept + 1), BS(forces.size(), kept + 1);
+  if (kept > 0) {
+    S.leftCols(kept) = compliance.forces;
+    Y.leftCols(kept) = compliance.responses;
+    BS.leftCols(kept) = compliance.factors.leftCols(kept);
+  }
+  S.col(kept) = size * forces;
+  Y.col(kept) = size * response;
+  BS.col(kept) = size * assumed;
+  for (; first <= kept; ++first) {  // without the oldest ones that the others nearly contain
+    const Eigen::Index count = kept + 1 - first;
+    const auto s = S.rightCols(count), y = Y.rightCols(count), bs = BS.rightCols(count);
+    MatrixXd SY = s.transpose() * y, SBS = s.transpose() * bs;
+    SY = (0.5 * (SY + SY.transpose())).eval();
+    SBS = (0.5 * (SBS + SBS.transpose())).eval();
+    const Eigen::LLT<MatrixXd> met_factor(SY), assumed_factor(SBS);
+    if (met_factor.info() != Eigen::Success || assumed_factor.info() != Eigen::Success) continue;
+    if (MatrixXd(met_factor.matrixL()).diagonal().minCoeff() < least_independence) continue;
+    const MatrixXd one = MatrixXd::Identity(count, count);
+    compliance.middle = MatrixXd::Zero(2 * count, 2 * count);
+    compliance.middle.topLeftCorner(count, count) = -assumed_factor.solve(one);
+    compliance.middle.bottomRightCorner(count, count) = met_factor.solve(one);
+    compliance.factors.resize(forces.size(), 2 * count);
+    compliance.factors << bs, y;
+    compliance.forces = s;
+    compliance.responses = y;
+    return;
+  }
+}
+
+int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+                 const GaussSeidelOptions& options, VectorXd& forces) {
+  const int count = int(rows.size());
+  const MatrixXd &factors = compliance.factors, &middle = compliance.middle;
+  const bool measured = factors.cols() > 0;
+  std::vector<ContactBlock> blocks;
+  for (int i = 0; i < count; ++i) {
+    Matrix3d block = compliance.blocks[i];
+    if (measured) block += factors.middleRows<3>(3 * i) * middle * factors.middleRows<3>(3 * i).transpose();
+    blocks.push_back(make_contact_block(block, rows[i].normal));
+  }
+  Motion motion = at_rest(compliance);
+  for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
+  VectorXd shares = VectorXd::Zero(factors.cols());  // middle factors^T f
+  if (measured) shares = middle * (factors.transpose() * forces);
+  int sweeps = 0;
+  double change = 1, size = 0;
+  while (sweeps < options.max_sweeps && change > options.tolerance * size) {
+    ++sweeps;
+    change = size = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vector3d old = forces.segment<3>(3 * i);
+      Vector3d w = q.segment<3>(3 * i) + motion_of(compliance, i, motion);
+      if (measured) w += factors.middleRows<3>(3 * i) * shares;
+      const Vector3d next = relaxed_force(rows[i], blocks[i], w, old);
+      if (next != old) {
+        push(compliance, i, next - old, motion);
+        if (measured) shares += middle * (factors.middleRows<3>(3 * i).transpose() * (next - old));
+      }
+      forces.segment<3>(3 * i) = next;
+      change = std::max(change, (next - old).cwiseAbs().maxCoeff());
+      size = std::max(size, next.cwiseAbs().maxCoeff());
+    }
+  }
+  return sweeps;
+}
+
+}  // namespace umax

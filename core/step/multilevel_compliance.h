@@ -1,0 +1,53 @@
+// How contact points give way to each other's forces, nearly: J B J^T with B the multilevel inverse of A,
+//
+//   B = sum over levels of P D^-1 P^T,   on the last one P A^-1 P^T          Bramble, Pasciak, Xu 1990
+// A contact's force moves eight nodes on each level and no more, so that a Gauss-Seidel sweep over thousands of
+// contacts costs next to nothing, where a Delassus matrix could not even be stored. Up to a factor it is the Delassus
+// matrix; responses that were measured make it exact along their forces, in the manner of BFGS:
+//
+//   W = B - B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did        Nocedal, Wright 2006
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/contact/gauss_seidel.h"
+#include "core/step/multigrid_system.h"
+
+namespace umax {
+
+struct MultilevelCompliance {
+  struct Share {  // of a contact's point, on one level
+    std::array<int, 8> nodes{};
+    Vector8d weights = Vector8d::Zero();
+  };
+  struct Point {
+    std::vector<Share> shares;  // on levels whose nodes move one by one
+    int body = 0;
+    Share last;            // on the last level, whose nodes move together:
+    MatrixXd last_motion;  // of its touched nodes (3 each) under a force at the point
+  };
+  std::vector<Point> points;            // one per contact
+  std::vector<Matrix3d> inverses;       // D^-1 of the nodes that contacts touch, of all levels
+  std::vector<Eigen::Index> last_rows;  // per body: 3 for each touched node of its last level
+  std::vector<Matrix3d> blocks;         // per contact: its own motion under its own force, of B
+  MatrixXd forces, responses;           // S, Y: a column for each measurement
+  MatrixXd factors;                     // B S beside Y
+  MatrixXd middle;                      // so that W = B + factors middle factors^T
+};
+
+MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
+                                                const std::vector<Contact>& contacts);
+
+/// The motions W f of contact points under forces f (3 per contact).
+VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces);
+
+/// Makes W f the response.
+void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance);
+
+/// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.
+int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+                 const GaussSeidelOptions& options, VectorXd& forces);
+
+}  // namespace umax

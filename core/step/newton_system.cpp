@@ -1,0 +1,218 @@
+#include "core/step/newton_system.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/base/parallel.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
+constexpr double negligible_direction = 1e-9;   // share of a contact's stiffness
+constexpr Eigen::Index nodes_per_block = 512;
+
+enum class Elasticity {
+  exact,     // the Hessian as it is: may be indefinite
+  definite,  // warped stiffness where the exact one is not positive definite by itself
+};
+
+// is the hex's matrix with its share of the inertia positive definite?
+bool is_definite(const StepProblem& problem, Eigen::Index e, const Matrix24d& element) {
+  const Model& model = *problem.model;
+  Matrix24d shifted = element;
+  for (int n = 0; n < 8; ++n) {
+    const int node = model.hexes(e, n);
+    const double share =
+        model.node_mass[node] / (model.corner_starts[node + 1] - model.corner_starts[node]) / (problem.h * problem.h);
+    for (int axis = 0; axis < 3; ++axis) shifted(3 * n + axis, 3 * n + axis) += share;
+  }
+  return Eigen::LLT<Matrix24d>(shifted).info() == Eigen::Success;
+}
+
+// elasticity and limits of one element; terms: of all limits
+void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, const std::vector<LimitTerms>& terms,
+                    Eigen::Index e, bool exact, Matrix24d& element) {
+  const Model& model = *problem.model;
+  const SolverOptions& solver = problem.options->solver;
+  const HexShape& shape = model.shapes[model.hex_shape[e]];
+  const Matrix8x3d& h = shape.rotation_gradients[int(solver.rotation)];
+  const CorotatedHex& hex = evaluation.hexes[e];
+  const auto hessian = [&](const Matrix24d& K) -> Matrix24d {
+    return exact ? exact_hessian(K, problem.young[e], h, hex) : warped_hessian(K, problem.young[e], hex);
+  };
+  element = hessian(shape.stiffness);
+  const int first = model.limit_starts[e], end = model.limit_starts[e + 1];
+  bool stiffened = false;
+  for (int l = first; l < end; ++l) {  // the whole's comes first: the element is nothing but elastic yet
+    if (terms[l].stiffening <= 0) continue;
+    if (model.limits[l].form >= 0)
+      stiffened = true;
+    else if (solver.energy == EnergyMeasure::true_energy)
+      element *= 1 + terms[l].stiffening;
+    else
+      element += terms[l].stiffening * hessian(measured_stiffness(shape, solver.energy));
+  }
+  if (stiffened) {  // a Hessian is linear in its form: one for all
+    Matrix24d sum = Matrix24d::Zero();
+    for (int l = first; l < end; ++l)
+      if (model.limits[l].form >= 0 && terms[l].stiffening > 0)
+        sum += terms[l].stiffening * model.limit_forms[model.limits[l].form];
+    element += hessian(sum);
+  }
+  for (int l = first; l < end; ++l)
+    if (terms[l].rank_one > 0) {
+      const Vector24d G = evaluation.limit_gradient(model, l);
+      element.noalias() += terms[l].rank_one * G * G.transpose();
+    }
+}
+
+void element_matrix(const StepProblem& problem, const Evaluation& evaluation, const std::vector<LimitTerms>& terms,
+                    Eigen::Index e, Elasticity elasticity, Matrix24d& element) {
+  const Model& model = *problem.model;
+  elastic_matrix(problem, evaluation, terms, e, true, element);
+  if (elasticity == Elasticity::definite && !is_definite(problem, e, element))
+    elastic_matrix(problem, evaluation, terms, e, false, element);
+  if (problem.damping_stiffness[e] > 0) {
+    CorotatedHex start;
+    start.rotation = problem.rotations_t0[e];
+    element += problem.damping_stiffness[e] / problem.h *
+               warped_hessian(model.shapes[model.hex_shape[e]].stiffness, problem.young[e], start);
+  }
+}
+
+// a contact touches the nodes of one hex only
+void add_contact_matrix(const Contact& contact, const Matrix3d& stiffness, Matrix24d& element) {
+  for (int m = 0; m < 8; ++m)
+    for (int n = 0; n < 8; ++n)
+      element.block<3, 3>(3 * m, 3 * n) += contact.weights[m] * contact.weights[n] * stiffness;
+}
+
+// indices of the contacts whose stiffness joins the matrix; no lists where none does
+std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate& iterate, const Linearisation& at) {
+  std::vector<std::vector<int>> in_hex(at.contacts.empty() ? 0 : model.num_hexes());
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) in_hex[iterate.contacts[i].hex].push_back(int(i));
+  return in_hex;
+}
+
+// The contact's stiffness as terms g g^T, one for each direction that it has; their offsets are what the contact pushes
+// beyond the force that is known.
+void append_contact_terms(const Contact& contact, const ContactTerms& at, const Vector3d& known,
+                          std::vector<HexTerm>& terms) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(at.stiffness);
+  for (int i = 0; i < 3; ++i) {
+    const double stiffness = eigen.eigenvalues()[i];
+    if (!(stiffness > negligible_direction * eigen.eigenvalues()[2])) continue;
+    const Vector3d direction = eigen.eigenvectors().col(i);
+    HexTerm term;
+    term.hex = contact.hex;
+    for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = contact.weights[n] * std::sqrt(stiffness) * direction;
+    term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
+    terms.push_back(term);
+  }
+}
+
+// The limit's rank-one term; its offset is what the limit pushes beyond its multiplier.
+HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const LimitTerms& at, Eigen::Index l) {
+  const Model& model = *problem.model;
+  const double known = model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.limits[l] : 0;
+  const double root = std::sqrt(at.rank_one);
+  return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
+}
+
+}  // namespace
+
+bool uses_multigrid(const Model& model, const SolverOptions& solver) {
+  if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
+  return model.num_hexes() >= multigrid_hexes && suits_multigrid(model, solver);
+}
+
+void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
+                      Workspace::Data& workspace) {
+  const Model& model = *problem.model;
+  VectorXd stiffening = VectorXd::Zero(model.num_hexes());
+  std::vector<HexTerm> terms;
+  for (std::size_t l = 0; l < at.limits.size(); ++l) {
+    stiffening[model.limits[l].hex] += at.limits[l].stiffening;
+    if (at.limits[l].rank_one > 0) terms.push_back(limit_term(problem, iterate, at.limits[l], Eigen::Index(l)));
+  }
+  for (std::size_t i = 0; i < at.contacts.size(); ++i)
+    append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].impulse / problem.h, terms);
+  if (!workspace.multigrid) workspace.multigrid = make_multigrid_system(model);
+  set_up(problem, iterate.positions, stiffening, terms, *workspace.multigrid);
+}
+
+NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system) {
+  LinearSolution solution = solution_of(model, system);
+  NewtonStep newton{std::move(solution.x), VectorXd::Zero(Eigen::Index(at.limits.size()))};
+  Eigen::Index term = 0;
+  for (std::size_t l = 0; l < at.limits.size(); ++l)
+    if (at.limits[l].rank_one > 0)
+      newton.limit_change[Eigen::Index(l)] = solution.products[term++] / std::sqrt(at.limits[l].rank_one);
+  return newton;
+}
+
+VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
+                     Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
+  if (uses_multigrid(*problem.model, problem.options->solver)) {
+    set_up_multigrid(problem, at, iterate, workspace);
+    begin(*problem.model, workspace.multigrid->offset_force - slope, *workspace.multigrid);
+    report.linear_iterations += improve({.tolerance = accuracy}, *workspace.multigrid).iterations;
+    return solution_of(*problem.model, *workspace.multigrid).x;
+  }
+  report.factorisations += factorize(problem, at, iterate, workspace);
+  VectorXd step = -slope;
+  workspace.cholesky.solve(step);
+  return step;
+}
+
+std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty) {
+  std::vector<LimitTerms> terms(problem.limits.size());
+  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+    terms[l] = problem.model->limits[l].kind == LimitKind::hard
+                   ? hard_limit_terms(energy, limit, iterate.multipliers[l], relative_penalty * limit)
+                   : soft_limit_terms(energy, limit, {});
+  }
+  return terms;
+}
+
+int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace) {
+  const double h = problem.h;
+  const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();
+  const std::vector<std::vector<int>> in_hex = contacts_by_hex(*problem.model, iterate, at);
+  SystemMatrix& matrix = direct_matrix(*problem.model, workspace);
+  const auto try_with = [&](Elasticity elasticity) {
+    reset(matrix);
+    add_mass(mass, 1, matrix);
+    add_elements(matrix, [&](Eigen::Index e, Matrix24d& element) {
+      element_matrix(problem, iterate.evaluation, at.limits, e, elasticity, element);
+      if (!in_hex.empty())
+        for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
+    });
+    return workspace.cholesky.factorize(matrix);
+  };
+  if (!iterate.indefinite && try_with(Elasticity::exact)) return 1;
+  const int attempts = iterate.indefinite ? 1 : 2;
+  iterate.indefinite = true;
+  try_with(Elasticity::definite);
+  return attempts;
+}
+
+VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
+  const Model& model = *problem.model;
+  VectorXd factors(Eigen::Index(at.limits.size()));
+  for (std::size_t l = 0; l < at.limits.size(); ++l) factors[Eigen::Index(l)] = at.limits[l].force;
+  VectorXd sum(3 * model.num_nodes());
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node)
+      sum.segment<3>(3 * node) = inertia_at(problem, iterate.positions, node) +
+                                 iterate.evaluation.internal.segment<3>(3 * node) +
+                                 limits_at(model, iterate.evaluation, factors, node);
+  });
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) spread(model, iterate.contacts[i], -at.contacts[i].force, sum);
+  clear_fixed(model, sum);
+  return sum;
+}
+
+}  // namespace umax

@@ -1,0 +1,75 @@
+#include "embedding/mesh_files/mesh_io.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "core/base/error.h"
+#include "embedding/hex_files/hex_mesh_io.h"
+#include "embedding/mesh_files/mesh_formats.h"
+#include "embedding/scanning/file_checks.h"
+#include "embedding/surface/hex_faces.h"
+
+namespace umax {
+namespace {
+
+constexpr std::array<const char*, 11> known_endings{"obj", "ply", "stl", "off", "gltf", "glb",
+                                                    "fbx", "dae", "msh", "vtk", "vtu"};
+
+void require_triangles(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  if (mesh.num_vertices() == 0) refuse_mesh(path, "the mesh has no vertices", "0", "export the mesh again");
+  if (mesh.num_triangles() == 0)
+    refuse_mesh(path, "the mesh has no triangles", fmt::format("{} vertices", mesh.num_vertices()),
+                "export it with its faces");
+  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t)
+    if (mesh.triangles.row(t).minCoeff() < 0 || mesh.triangles.row(t).maxCoeff() >= mesh.num_vertices())
+      refuse_mesh(path, fmt::format("triangle {} names a vertex that does not exist", t),
+                  fmt::format("{} of {} vertices", mesh.triangles.row(t).maxCoeff(), mesh.num_vertices()),
+                  "the file is damaged: export it again");
+}
+
+MeshFile surface_of_hexes(const std::filesystem::path& path) {
+  HexMesh hexes = load_hex_mesh(path);
+  MeshFile file;
+  file.mesh = surface_of(hexes.nodes, hexes.hexes).mesh;
+  file.notes = std::move(hexes.notes);
+  file.num_parts = 1;
+  return file;
+}
+
+}  // namespace
+
+double linear_from_srgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+std::string known_mesh_formats() {
+  return fmt::format("{}", fmt::join(known_endings, ", "));
+}
+
+MeshFile load_mesh(const std::filesystem::path& path) {
+  require_readable_file(path);
+  if (is_hex_mesh_file(path)) return surface_of_hexes(path);
+  const std::string ending = lower_ending(path);
+  if (std::find(known_endings.begin(), known_endings.end(), ending) == known_endings.end())
+    refuse_mesh(path, "unknown mesh format", fmt::format("\"{}\"", ending), "known are " + known_mesh_formats());
+
+  const long long promised = check_promised_size(path, ending);
+  MeshFile file = ending == "obj" ? read_obj(path) : read_with_assimp(path, ending);
+  require_triangles(path, file.mesh);
+  if (promised >= 0 && promised != file.mesh.num_vertices())
+    refuse_mesh(path, "the file does not hold the vertices that its header promises",
+                fmt::format("{} of {}", file.mesh.num_vertices(), promised),
+                "it is truncated or damaged: export it again");
+  require_finite(path, file.mesh.positions);
+  require_sensible_box(path, file.mesh.positions);
+  return file;
+}
+
+}  // namespace umax

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "embedding/mesh_files/mesh_formats.h"
+#include "embedding/scanning/file_checks.h"
+
+namespace umax {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::vector<std::string_view> words(std::string_view line) {
+  std::vector<std::string_view> result;
+  for (std::size_t at = 0; at < line.size();) {
+    at = line.find_first_not_of(" \t\r", at);
+    if (at == line.npos) break;
+    const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
+    result.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return result;
+}
+
+[[noreturn]] void refuse_line(const Path& path, long long line, const std::string& what, std::string_view text) {
+  refuse_mesh(path.string() + ":" + std::to_string(line), what, '"' + std::string(text.substr(0, 60)) + '"',
+              "the file is truncated or damaged: export it again");
+}
+
+bool says_nan_or_infinity(std::string_view word) {
+  if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.remove_prefix(1);
+  std::string start(word.substr(0, 3));
+  for (char& c : start) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return start == "nan" || start == "inf";
+}
+
+void check_coordinate(const Path& path, long long line_number, std::string_view line, std::string_view word,
+                      long long vertex) {
+  double value = 0;
+  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool too_large = error == std::errc::result_out_of_range;
+  if (!too_large && (error != std::errc() || end != word.data() + word.size()))
+    refuse_line(path, line_number, fmt::format("vertex {} has a coordinate that is no number", vertex), line);
+}
+
+// The reader takes what it cannot read for 0 and leaves out faces it does not understand; so the lines that matter are
+// looked at first. Counts vertices that are not finite.
+void check_lines(const Path& path, std::string_view text) {
+  long long line_number = 0, num_vertices = 0, num_bad = 0, first_bad = -1;
+  std::string_view first_bad_line;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    ++line_number;
+    const std::size_t start = std::min(line.find_first_not_of(" \t"), line.size());
+    if (start + 1 >= line.size() || (line[start] != 'v' && line[start] != 'f') ||
+        (line[start + 1] != ' ' && line[start + 1] != '\t'))
+      continue;
+    const auto parts = words(line);
+    if (line[start] == 'f') {
+      if (parts.size() < 4 && !line.ends_with('\\'))
+        refuse_line(path, line_number, "a face needs at least three corners", line);
+      continue;
+    }
+    if (parts.size() < 4)
+      refuse_line(path, line_number, fmt::format("vertex {} needs three coordinates", num_vertices), line);
+    bool finite = true;
+    for (std::size_t axis = 1; axis < 4; ++axis) {
+      const bool is_finite = !says_nan_or_infinity(parts[axis]);
+      finite &= is_finite;
+      if (is_finite) check_coordinate(path, line_number, line, parts[axis], num_vertices);
+    }
+    if (!finite && num_bad++ == 0) {
+      first_bad = num_vertices;
+      first_bad_line = line;
+    }
+    ++num_vertices;
+  }
+  if (num_bad > 0)
+    refuse_mesh(path,
+                fmt::format("{} of {} vertices are not finite numbers, the first is vertex {}", num_bad, num_vertices,
+                            first_bad),
+                '"' + std::string(first_bad_line.substr(0, 60)) + '"', "repair or export the mesh again");
+}
+
+// vertices as in the file; colours only if some vertex has one
+void take_vertices(const tinyobj::attrib_t& attributes, TriangleMesh& mesh) {
+  const Eigen::Index num_vertices = Eigen::Index(attributes.vertices.size() / 3);
+  mesh.positions = Eigen::Map<const Points>(attributes.vertices.data(), num_vertices, 3);
+  if (Eigen::Index(attributes.colors.size()) == 3 * num_vertices && num_vertices > 0)
+    mesh.colors = Eigen::Map<const Points>(attributes.colors.data(), num_vertices, 3).unaryExpr(&linear_from_srgb);
+}
+
+void take_faces(const Path& path, const tinyobj::attrib_t& attributes, const std::vector<tinyobj::shape_t>& shapes,
+                TriangleMesh& mesh) {
+  std::size_t num_corners = 0;
+  bool all_have_texture = true;
+  for (const tinyobj::shape_t& shape : shapes) {
+    num_corners += shape.mesh.indices.size();
+    for (const tinyobj::index_t& index : shape.mesh.indices) all_have_texture &= index.texcoord_index >= 0;
+  }
+  if (num_corners > std::size_t(std::numeric_limits<int>::max()))
+    refuse_mesh(path, "the mesh has more triangles than can be counted", std::to_string(num_corners / 3), "reduce it");
+  mesh.triangles.resize(Eigen::Index(num_corners / 3), 3);
+  if (all_have_texture && num_corners > 0) mesh.texture_coordinates.resize(Eigen::Index(num_corners), 2);
+
+  Eigen::Index corner = 0;
+  for (const tinyobj::shape_t& shape : shapes)
+    for (const tinyobj::index_t& index : shape.mesh.indices) {
+      mesh.triangles(corner / 3, corner % 3) = index.vertex_index;
+      if (mesh.texture_coordinates.rows() > 0) {
+        const std::size_t t = 2 * std::size_t(index.texcoord_index);
+        if (t + 1 >= attributes.texcoords.size())
+          refuse_mesh(path, "a face names a texture coordinate that does not exist",
+                      std::to_string(index.texcoord_index + 1), "export the mesh again");
+        mesh.texture_coordinates.row(corner) << float(attributes.texcoords[t]), float(attributes.texcoords[t + 1]);
+      }
+      ++corner;
+    }
+}
+
+Path find_texture(const Path& path, const std::vector<tinyobj::material_t>& materials,
+                  std::vector<std::string>& notes) {
+  for (const tinyobj::material_t& material : materials) {
+    if (material.diffuse_texname.empty()) continue;
+    std::string name = material.diffuse_texname;
+    std::replace(name.begin(), name.end(), '\\', '/');
+    const Path texture = std::filesystem::absolute(path.parent_path() / name).lexically_normal();
+    if (std::filesystem::is_regular_file(texture)) return texture;
+    notes.push_back("the texture " + texture.string() + " that the mesh names does not exist");
+  }
+  return {};
+}
+
+}  // namespace
+
+MeshFile read_obj(const Path& path) {
+  check_lines(path, read_whole_file(path));
+  tinyobj::attrib_t attributes;
+  std::vector<tinyobj::shape_t> shapes;
+  std::vector<tinyobj::material_t> materials;
+  std::string warnings, errors;
+  const std::string folder = (path.has_parent_path() ? path.parent_path() : Path(".")).string() + "/";
+  const bool sound =
+      tinyobj::LoadObj(&attributes, &shapes, &materials, &warnings, &errors, path.string().c_str(), folder.c_str(),
+                       /*triangulate=*/true, /*default_vcols_fallback=*/false);
+  if (!sound) refuse_mesh(path, "not a sound OBJ file", errors.substr(0, errors.find('\n')), "export the mesh again");
+  for (const char* fault : {"out of bounds", "invalid vertex index"})
+    if (warnings.find(fault) != warnings.npos)
+      refuse_mesh(path, "a face names a vertex that does not exist",
+                  std::to_string(attributes.vertices.size() / 3) + " vertices",
+                  "the file is truncated or damaged: export it again");
+
+  MeshFile file;
+  take_vertices(attributes, file.mesh);
+  take_faces(path, attributes, shapes, file.mesh);
+  file.num_parts =
+      int(std::count_if(shapes.begin(), shapes.end(), [](const auto& shape) { return !shape.mesh.indices.empty(); }));
+  file.texture = find_texture(path, materials, file.notes);
+  return file;
+}
+
+}  // namespace umax

@@ -1,0 +1,194 @@
+#include "embedding/surface/shapes.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace umax {
+namespace {
+
+void require_positive(const char* key, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw Error(ExitCode::bad_data,
+              {key, "must be a positive length", fmt::format("{:g} m", value), "give a length such as \"1 m\""});
+}
+
+struct MeshBuilder {
+  std::vector<Vector3d> positions, normals;
+  std::vector<Vector3i> triangles;
+
+  int add(const Vector3d& position, const Vector3d& normal) {
+    positions.push_back(position);
+    normals.push_back(normal);
+    return int(positions.size()) - 1;
+  }
+  // corners counter-clockwise from outside
+  void add_quad(int a, int b, int c, int d) {
+    triangles.emplace_back(a, b, c);
+    triangles.emplace_back(a, c, d);
+  }
+  TriangleMesh mesh() const {
+    TriangleMesh result;
+    result.positions.resize(Eigen::Index(positions.size()), 3);
+    result.normals.resize(Eigen::Index(positions.size()), 3);
+    result.triangles.resize(Eigen::Index(triangles.size()), 3);
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+      result.positions.row(Eigen::Index(v)) = positions[v];
+      result.normals.row(Eigen::Index(v)) = normals[v];
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t) result.triangles.row(Eigen::Index(t)) = triangles[t];
+    return result;
+  }
+};
+
+// grid of quads on the side of the box that faces `sign` along `axis`
+void add_box_side(const Vector3d& size, const Vector3i& divisions, int axis, int sign, MeshBuilder& builder) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  std::vector<int> row_below;
+  for (int j = 0; j <= divisions[v]; ++j) {
+    std::vector<int> row;
+    for (int i = 0; i <= divisions[u]; ++i) {
+      Vector3d p;
+      p[axis] = 0.5 * sign * size[axis];
+      p[u] = (double(i) / divisions[u] - 0.5) * size[u];
+      p[v] = (double(j) / divisions[v] - 0.5) * size[v];
+      row.push_back(builder.add(p, sign * Vector3d::Unit(axis)));
+    }
+    for (int i = 0; j > 0 && i < divisions[u]; ++i) {
+      if (sign > 0)
+        builder.add_quad(row_below[i], row_below[i + 1], row[i + 1], row[i]);
+      else
+        builder.add_quad(row_below[i], row[i], row[i + 1], row_below[i + 1]);
+    }
+    row_below = std::move(row);
+  }
+}
+
+using Edge = std::pair<int, int>;
+
+// splits every triangle in four; new vertices are pushed out to the unit sphere
+void refine_sphere(std::vector<Vector3d>& positions, std::vector<Vector3i>& triangles) {
+  std::map<Edge, int> midpoints;
+  const auto midpoint = [&](int a, int b) {
+    const auto [entry, is_new] = midpoints.try_emplace({std::min(a, b), std::max(a, b)}, int(positions.size()));
+    if (is_new) positions.push_back((positions[a] + positions[b]).normalized());
+    return entry->second;
+  };
+  std::vector<Vector3i> refined;
+  refined.reserve(4 * triangles.size());
+  for (const Vector3i& t : triangles) {
+    const int ab = midpoint(t[0], t[1]), bc = midpoint(t[1], t[2]), ca = midpoint(t[2], t[0]);
+    refined.insert(refined.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+  }
+  triangles = std::move(refined);
+}
+
+// rings from the rim to the centre of the end that faces `sign` along x
+void add_cap(double radius, double x, int sign, int segments, MeshBuilder& builder) {
+  const Vector3d normal = sign * Vector3d::UnitX();
+  const int num_rings = std::max(2, segments / 6);
+  std::vector<int> outer;
+  for (int ring = 0; ring < num_rings; ++ring) {
+    std::vector<int> inner;
+    const double r = radius * (num_rings - ring) / num_rings;
+    for (int i = 0; i < segments; ++i) {
+      const double angle = 2 * std::numbers::pi * i / segments;
+      inner.push_back(builder.add({x, r * std::cos(angle), r * std::sin(angle)}, normal));
+    }
+    for (int i = 0; ring > 0 && i < segments; ++i) {
+      const int j = (i + 1) % segments;
+      if (sign > 0)
+        builder.add_quad(outer[i], outer[j], inner[j], inner[i]);
+      else
+        builder.add_quad(outer[i], inner[i], inner[j], outer[j]);
+    }
+    outer = std::move(inner);
+  }
+  const int centre = builder.add({x, 0, 0}, normal);
+  for (int i = 0; i < segments; ++i) {
+    const int j = (i + 1) % segments;
+    if (sign > 0)
+      builder.triangles.emplace_back(centre, outer[i], outer[j]);
+    else
+      builder.triangles.emplace_back(centre, outer[j], outer[i]);
+  }
+}
+
+}  // namespace
+
+TriangleMesh make_box(const Vector3d& size) {
+  for (double edge : size) require_positive("size", edge);
+  const double spacing = size.maxCoeff() / 48;
+  Vector3i divisions;
+  for (int axis = 0; axis < 3; ++axis) divisions[axis] = std::max(1, int(std::lround(size[axis] / spacing)));
+  MeshBuilder builder;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int sign : {-1, 1}) add_box_side(size, divisions, axis, sign, builder);
+  return builder.mesh();
+}
+
+TriangleMesh make_sphere(double radius, int subdivisions) {
+  require_positive("radius", radius);
+  if (subdivisions < 0 || subdivisions > 11)
+    throw Error(ExitCode::bad_data, {"sphere", "subdivisions must be 0 to 11", std::to_string(subdivisions), ""});
+
+  // the icosahedron, stood on a vertex's edge
+  const double g = std::numbers::phi;
+  std::vector<Vector3d> positions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                     {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<Vector3i> triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (Vector3d& p : positions) p.normalize();
+  for (int i = 0; i < subdivisions; ++i) refine_sphere(positions, triangles);
+
+  MeshBuilder builder;
+  for (const Vector3d& p : positions) builder.add(radius * p, p);
+  builder.triangles = std::move(triangles);
+  return builder.mesh();
+}
+
+TriangleMesh make_cylinder(double radius, double length) {
+  require_positive("radius", radius);
+  require_positive("length", length);
+  constexpr int segments = 64;
+  const double spacing = 2 * std::numbers::pi * radius / segments;
+  const int num_rings = int(std::clamp(std::ceil(length / spacing), 4.0, 2000.0));
+  MeshBuilder builder;
+  for (int ring = 0; ring <= num_rings; ++ring)
+    for (int i = 0; i < segments; ++i) {
+      const double angle = 2 * std::numbers::pi * i / segments, c = std::cos(angle), s = std::sin(angle);
+      builder.add({(double(ring) / num_rings - 0.5) * length, radius * c, radius * s}, {0, c, s});
+    }
+  for (int ring = 0; ring < num_rings; ++ring)
+    for (int i = 0; i < segments; ++i) {
+      const int j = (i + 1) % segments, a = ring * segments, b = a + segments;
+      builder.add_quad(a + i, a + j, b + j, b + i);
+    }
+  add_cap(radius, -0.5 * length, -1, segments, builder);
+  add_cap(radius, 0.5 * length, 1, segments, builder);
+  return builder.mesh();
+}
+
+TriangleMesh make_plane(double size) {
+  require_positive("size", size);
+  const double h = 0.5 * size;
+  MeshBuilder builder;
+  const Vector3d up = Vector3d::UnitY();
+  const int a = builder.add({-h, 0, h}, up), b = builder.add({h, 0, h}, up), c = builder.add({h, 0, -h}, up),
+            d = builder.add({-h, 0, -h}, up);
+  builder.add_quad(a, b, c, d);
+  return builder.mesh();
+}
+
+}  // namespace umax

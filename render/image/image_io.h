@@ -1,0 +1,47 @@
+// Reads and writes picture files: PNG (8 and 16 bit), OpenEXR with layers, Radiance .hdr (reading only).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "render/image/image.h"
+
+namespace umax {
+
+/// What the numbers of a PNG become: scene-linear values, or the stored sRGB values in [0, 1] (masks, comparisons).
+enum class PngValues { linear, as_stored };
+
+/// Reads PNG, EXR or .hdr, told apart by content. 1, 3 or 4 channels; of an EXR with layers, the colour (else the first
+/// layer). Throws Error 66 (missing), 65 (not a picture, truncated, absurd size), 74.
+Image read_image(const std::filesystem::path& path, PngValues png_values = PngValues::linear);
+
+/// All layers of an EXR file, the colour first, then by name.
+std::vector<Layer> read_exr(const std::filesystem::path& path);
+
+/// Reads a PNG as 8-bit codes; 16-bit files are rounded. Errors as read_image().
+Image8 read_png8(const std::filesystem::path& path);
+
+/// Writes the codes as they are. The same picture gives the same bytes. Throws Error 73, 74; never leaves half a file.
+void write_png(const std::filesystem::path& path, const Image8& image);
+
+/// Writes a scene-linear picture with the plain sRGB curve, clipped to [0, 1]; for a filmic look use tone_map() first.
+void write_png(const std::filesystem::path& path, const Image& linear);
+
+/// Metadata of an EXR: (key, text), for example a cryptomatte manifest.
+using ExrAttributes = std::vector<std::pair<std::string, std::string>>;
+
+/// Writes all layers, of one size, into one file: ZIP compression, 32-bit float. Channel names: colour "R", "G", "B";
+/// three-channel layers "Albedo.R" (but "N.X", "P.X" for layers N, P), single-channel layers their own name ("Z").
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
+               const ExrAttributes& attributes = {});
+
+/// By extension: .png (plain sRGB), .exr. Throws Error 2 for others.
+void write_image(const std::filesystem::path& path, const Image& linear);
+
+/// The PNG file's bytes, for pages that carry their pictures in themselves.
+std::string encode_png(const Image8& image);
+
+}  // namespace umax

@@ -1,0 +1,104 @@
+// What is drawn: triangle meshes with looks, lights, sky and a camera. Knows nothing of lattices or states.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/base/triangle_mesh.h"
+#include "render/image/image.h"
+
+namespace umax {
+
+/// Diffuse base under a glossy dielectric (or metallic) layer and an optional clear coat.
+struct Look {
+  Vector3f base_color{0.6f, 0.6f, 0.6f};  // linear Rec. 709 reflectance
+  float roughness = 0.5f;                 // [0, 1] perceptual: alpha = roughness^2
+  float ior = 1.5f;                       // of the dielectric layer
+  float metallic = 0;                     // [0, 1]
+  float clearcoat = 0;                    // [0, 1]
+  float clearcoat_roughness = 0.03f;
+  std::shared_ptr<const Image> texture =
+      {};                      // linear RGB, multiplies base_color where the mesh has texture coordinates
+  bool vertex_colors = false;  // the mesh's colors replace base_color (heat maps, painted meshes)
+};
+
+struct RenderObject {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;  // world space [m]
+  Look look;
+};
+
+/// Rectangle that emits on the side of cross(edge_u, edge_v).
+struct AreaLight {
+  Vector3f corner{0, 0, 0}, edge_u{1, 0, 0}, edge_v{0, 0, 1};  // [m]
+  Vector3f radiance{1, 1, 1};                                  // [W/(m^2 sr)]
+  bool visible = false;                                        // to camera rays
+};
+struct ConstantSky {
+  Vector3f radiance{0.35f, 0.45f, 0.6f};
+};
+/// Analytic daylight sky with a sun disc.
+struct DaylightSky {
+  Vector3f sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, normalised by the renderer
+  float turbidity = 3;
+  float intensity = 1;             // scales sky and sun
+  float sun_size_degrees = 0.53f;  // angular diameter; larger softens shadows
+};
+/// Latitude-longitude picture: row 0 is +Y, u = 0 looks along +Z, u = 0.25 along +X.
+struct EnvironmentMap {
+  std::shared_ptr<const Image> image;
+  float intensity = 1;
+  float rotation_degrees = 0;  // about Y
+};
+/// Studio backdrop: horizon and zenith colours blended by elevation.
+struct GradientSky {
+  Vector3f horizon{0.9f, 0.9f, 0.9f}, zenith{0.4f, 0.5f, 0.7f}, ground{0.3f, 0.3f, 0.3f};
+};
+using Sky = std::variant<ConstantSky, GradientSky, DaylightSky, EnvironmentMap>;
+
+struct Camera {
+  Vector3f position{0, 1.6f, 5.5f}, target{0, 0.9f, 0}, up{0, 1, 0};
+  float vertical_fov_degrees = 35;
+  float aperture_radius = 0;  // [m] thin lens; 0: pinhole
+  float focus_distance = 0;   // [m]; 0: the target's
+};
+
+/// Line segments drawn over the rasteriser's picture (the cage).
+struct WireOverlay {
+  std::vector<std::pair<Vector3f, Vector3f>> segments;  // world space [m]
+  Vector3f color{0.05f, 0.05f, 0.08f};
+  float width_pixels = 1.2f;
+  bool hidden_lines = false;  // also draw, fainter, what lies behind surfaces
+};
+/// Colour bar for vertex colours that mean numbers.
+struct Legend {
+  std::string title;  // "U / U_max"
+  double low = 0, high = 1;
+  bool ends_at_limit = false;  // high is a limit: the red of color_of_value() from there on, apart from the bar
+  double slack = 0;            // [-] of the bar: so near its end a limit counts as reached
+  bool logarithmic = false;    // even in log(value) or, from low = 0 on, in log(1 + value); low >= 0
+};
+
+/// Words over the picture; (x, y) in [0, 1] from the top left is the middle of their upper edge.
+struct Caption {
+  std::string text;
+  float x = 0.5f, y = 0.9f;
+};
+
+struct RenderScene {
+  std::vector<RenderObject> objects;
+  std::vector<AreaLight> lights;
+  Sky sky = ConstantSky{};
+  std::optional<Vector3f> backdrop;  // colour camera rays see instead of the sky
+  Camera camera;
+  std::optional<WireOverlay> wires;
+  std::optional<Legend> legend;
+  std::vector<Caption> captions{};
+  float exposure_stops = 0;  // applied when an 8-bit picture is made
+};
+
+}  // namespace umax

@@ -1,0 +1,45 @@
+// Pictures by path tracing: what a camera sees of a scene of triangles, area lights and sky, with all light between.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "render/trace/ray_scene.h"
+
+namespace umax {
+
+/// Part of a picture: columns x0 to x1 - 1, rows y0 to y1 - 1.
+struct Crop {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // [px]
+};
+
+struct PathTraceOptions {
+  int width = 1280, height = 720;  // [px] of the whole picture
+  int samples = 64;                // paths a pixel; powers of two are spread best
+  int bounces = 4;                 // [-] times that light may bounce between surfaces; 0: direct light only
+  unsigned seed = 1;               // another seed, other noise
+  std::optional<Crop> crop = {};   // trace only this part: the same values as in the whole picture
+  std::function<void(double)> on_progress = {};  // called with the done fraction, from one thread at a time
+  const std::atomic<bool>* stop = nullptr;       // becomes true: the rest of the picture stays black
+  RayRecording* recording = nullptr;             // receives every ray (for measurements; costs memory)
+};
+
+/// A picture and what guides a filter. All of one size (the crop's, if any), all scene-linear.
+struct TracedImage {
+  Image color;     // 3 channels
+  Image albedo;    // 3: reflectance of the first surface, glossy included; the sky's pixels 1
+  Image normal;    // 3: shading normal of the first surface, world space; 0 where there is none
+  Image depth;     // 1: distance along the ray [m], mean over the paths that met a surface; 0 where none did
+  Image variance;  // 1: of the pixel's luminance, estimated from its paths
+  Image half;      // 3: colour from every second path alone: tells noise from texture
+};
+
+/// Traces a picture. The values do not depend on the number of threads, tiles or the crop. Throws Error 65 for scenes
+/// and options that make no picture.
+TracedImage path_trace(const RenderScene& scene, const PathTraceOptions& options);
+
+/// The same with a hierarchy that was built before, from the same objects.
+TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options);
+
+}  // namespace umax

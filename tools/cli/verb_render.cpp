@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "tools/cli/run_input.h"
+#include "tools/cli/verbs.h"
+#include "tools/run/job.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+bool has_pictures(const fs::path& run) {
+  std::error_code error;
+  const fs::directory_iterator entries(run / "frames", error);
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return entry.path().extension() == ".png"; });
+}
+
+/// The run's own folder exists by rights: only pictures that are there need a word of the user's.
+void render_in_place(const fs::path& run, const Options& options, Job& job) {
+  job.folder = run;
+  job.existing = ExistingFolder::keep;
+  job.replace_pictures = options.overwrite;
+  if (has_pictures(run) && !options.resume && !options.overwrite)
+    throw Error(
+        ExitCode::cannot_create,
+        {.where = (run / "frames").string(),
+         .what = "holds pictures already",
+         .remedy = "go on with them by --resume, replace them by --overwrite, or choose another folder with -o"});
+}
+
+}  // namespace
+
+int verb_render(const Options& options) {
+  const fs::path run = single_input(options, "folder of a run");
+  Job job;
+  job.scene = scene_of_run(run, scene_overrides(options));
+  job.simulate = false;
+  job.default_frames = std::min(count_states(run), job.scene.clip.frames);
+  if (*job.default_frames == 0)
+    throw Error(ExitCode::not_found, {.where = (run / "states").string(),
+                                      .what = "there are no states",
+                                      .remedy = "simulate first: umax simulate SCENE -o " + run.string()});
+
+  std::error_code error;
+  const bool in_place = !options.output || fs::equivalent(*options.output, run, error);
+  if (in_place) {
+    render_in_place(run, options, job);
+  } else {
+    job.folder = *options.output;
+    job.existing = options.existing_folder();
+  }
+  job.make_pictures = [run](const Simulation& simulation, const std::vector<int>& frames) {
+    return pictures_of_run(simulation, run, frames);
+  };
+  return do_job(job, options);
+}
+
+}  // namespace umax

@@ -1,0 +1,68 @@
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "tools/cli/run_input.h"
+#include "tools/cli/verbs.h"
+#include "tools/run/frame_list.h"
+#include "tools/run/job.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int circle_frames = 120;
+constexpr double circle_fps = 30;
+
+fs::path name_of_run(const fs::path& run) {
+  const fs::path full = fs::absolute(run).lexically_normal();
+  return full.has_filename() ? full.filename() : full.parent_path().filename();
+}
+
+/// The frame of the run that stands still: the chosen or the last one.
+int still_frame(const fs::path& run, const Options& options) {
+  const int count = count_states(run);
+  const int frame = options.still.value_or(count);
+  if (frame >= 1 && frame <= count) return frame;
+  throw Error(ExitCode::not_found,
+              {.where = state_path(run, frame).string(),
+               .what = "there is no state of this frame",
+               .remedy = "the run has " + std::to_string(count) + " states; choose one with --still"});
+}
+
+}  // namespace
+
+int verb_turntable(const Options& options) {
+  const std::string input = single_input(options, "mesh, scene or folder of a run");
+  const InputKind kind = kind_of_input(input);
+  if (kind != InputKind::run && options.still)
+    throw Error(ExitCode::usage, {.where = "--still", .what = "is for the folder of a run", .remedy = "leave it out"});
+
+  Job job;
+  job.simulate = false;
+  std::string name;
+  int still = 0;
+  if (kind == InputKind::run) {
+    job.scene = scene_of_run(input, scene_overrides(options));
+    still = still_frame(input, options);
+    name = name_of_run(input).string() + "-turntable";
+  } else if (kind == InputKind::mesh) {
+    Options circle = options;
+    circle.settings.insert(circle.settings.begin(),
+                           {"clip.frames=" + std::to_string(circle_frames), "clip.fps=" + std::to_string(circle_fps)});
+    job.scene = scene_of_mesh(input, 0, circle);
+    name = job.scene.name;
+  } else {
+    job.scene = load_scene(input, scene_overrides(options));
+    name = job.scene.name;
+  }
+  job.folder = output_folder(options, name);
+  job.existing = options.existing_folder();
+  job.make_pictures = [input, still](const Simulation& simulation, const std::vector<int>& frames) {
+    const State state = still > 0 ? read_state(state_path(input, still), simulation.model, simulation.digest)
+                                  : rest_state(simulation.model);
+    return turntable_of(simulation, state, frames);
+  };
+  return do_job(job, options);
+}
+
+}  // namespace umax

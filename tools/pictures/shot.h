@@ -1,0 +1,43 @@
+// One picture's worth of a run: deformed bodies, obstacles, lights, sky and camera, as the renderers take it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "render/scene/render_scene.h"
+#include "tools/pictures/heat.h"
+#include "tools/setup/camera_framing.h"
+#include "tools/setup/simulation_setup.h"
+
+namespace umax {
+
+/// What stays the same in all pictures of a run.
+struct Stage {
+  std::vector<AreaLight> lights;
+  Sky sky;
+  std::shared_ptr<const TriangleMesh> ground;   // square that half spaces are drawn as
+  std::vector<std::pair<int, int>> cage_edges;  // the cage's outer edges, nodes of the model
+  std::optional<Legend> legend;                 // of the heat map
+};
+
+/// box: around the motion; the ground reaches far beyond it. range: of the motion, for heat maps. Throws Error when the
+/// sky's picture cannot be read.
+Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range = {});
+
+/// Box around a body's surface, of the model's nodes; around the surfaces of all bodies.
+Box box_of(const BodySetup& body, const Points& nodes);
+Box box_of(const Simulation& simulation, const Points& nodes);
+
+/// The renderers' scene at the state's time.
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera);
+
+/// The same with other values of all hexes than render.heatmap's, to be read from the stage's legend.
+RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera,
+                      const VectorXd& values);
+
+/// The rectangle that a scene's light is.
+AreaLight area_light(const LightDescription& light);
+
+}  // namespace umax

@@ -1,0 +1,259 @@
+#include "tools/run/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/files/sha256.h"
+#include "core/files/write_file.h"
+#include "scenes/resolved_scene.h"
+#include "scenes/scene_file.h"
+#include "tools/run/clip.h"
+#include "tools/run/frame_list.h"
+#include "tools/run/job_estimate.h"
+#include "tools/run/simulate.h"
+#include "tools/run/step_plots.h"
+#include "tools/setup/limit_report.h"
+#include "tools/system/machine_memory.h"
+#include "tools/system/signals.h"
+#include "tools/system/threads.h"
+#include "tools/system/version.h"
+
+namespace umax {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// run.json while the job runs: written at the start, after every stage and at the end.
+class RecordKeeper {
+ public:
+  RecordKeeper(const RunFolder& folder, const Job& job, const Options& options, const std::string& scene_text,
+               const Digest& model, int threads)
+      : path_(folder.record()), record_(read_run_record(folder.record()).value_or(RunRecord{})) {
+    record_.version = version_text();
+    record_.verb = options.verb;
+    record_.scene = job.scene.name;
+    record_.scene_sha256 = sha256_hex(scene_text);
+    record_.model_sha256 = model;
+    record_.host = host_description();
+    record_.threads = threads;
+    record_.exit_status.reset();
+    write();
+  }
+  RunRecord& record() { return record_; }
+  void write() {
+    record_.peak_memory = std::max(record_.peak_memory, peak_memory());
+    write_run_record(path_, record_);
+  }
+  int finish(int exit_status) {
+    record_.exit_status = exit_status;
+    write();
+    return exit_status;
+  }
+  void finish_after_error(int exit_status) {
+    try {
+      finish(exit_status);
+    } catch (const Error&) {
+      // the disk that refuses this refused something before: that is what the user is told
+    }
+  }
+
+ private:
+  std::filesystem::path path_;
+  RunRecord record_;
+};
+
+/// Time steps up to a frame that the folder does not have yet.
+long long steps_left(const Job& job, int last_frame) {
+  if (!job.simulate) return 0;
+  const int found = job.existing == ExistingFolder::keep ? count_states(job.folder) : 0;
+  return std::max(0LL, (last_frame - std::max(1LL, (long long)(found))) * job.scene.clip.substeps);
+}
+
+/// Refuses what does not fit into the memory, and says what a large job will take.
+void tell_cost(const Simulation& simulation, long long steps, long long memory, Progress& progress) {
+  const JobSize size = size_of(simulation);
+  require_memory(size, simulation.scene, double(memory));
+  if (const std::string text = announce(size, steps); !text.empty()) progress.note(text);
+}
+
+/// What the folder is needed for, checked as long as nothing has been written.
+void check_before_start(const Job& job) {
+  check_run_folder(job.folder, job.existing);
+  if (!job.pictures) return;
+  require_even_size(job.scene.render.width, job.scene.render.height);
+  require_clip_encoder();
+}
+
+/// Simulates and plots what steps.csv then holds, also when --strict ends the run.
+SimulateResult simulate_and_plot(const Simulation& simulation, const RunFolder& folder, const SimulateOptions& options,
+                                 Progress& progress) {
+  try {
+    const SimulateResult result = simulate(simulation, folder, options, progress);
+    write_step_plots(folder, simulation.scene);
+    return result;
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::try_again) write_step_plots(folder, simulation.scene);
+    throw;
+  }
+}
+
+/// Simulates; returns the signal that stopped it, or 0.
+int simulate_stage(const Simulation& simulation, const RunFolder& folder, const Options& options, int last_frame,
+                   RecordKeeper& keeper, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const SimulateResult result = simulate_and_plot(
+      simulation, folder, {.last_frame = last_frame, .strict = options.strict, .verbose = options.verbose}, progress);
+  RunRecord& record = keeper.record();
+  record.simulate_seconds += seconds_since(start);
+  record.frames = result.frames;
+  record.steps = result.steps;
+  record.steps_not_converged = result.steps_not_converged;
+  keeper.write();
+  return result.signal;
+}
+
+/// Renders and encodes; returns the signal that stopped it, or 0.
+int picture_stage(const RunPictures& pictures, const Job& job, const RunFolder& folder, int threads,
+                  RecordKeeper& keeper, Progress& progress) {
+  RunRecord& record = keeper.record();
+  const bool is_stale = !record.pictures_sha256.empty() && record.pictures_sha256 != pictures.digest;
+  if (is_stale) {
+    progress.note("the pictures that are there were made with other settings: they are made anew");
+    folder.remove_pictures();
+  }
+  record.pictures_sha256 = pictures.digest;
+  keeper.write();
+
+  auto start = std::chrono::steady_clock::now();
+  const RenderResult result = render_pictures(pictures.list, job.scene.render, threads, folder, progress);
+  record.render_seconds += seconds_since(start);
+  keeper.write();
+  if (result.signal != 0) return result.signal;
+
+  start = std::chrono::steady_clock::now();
+  encode_pictures(folder, pictures.list.frames, job.scene, progress);
+  record.encode_seconds += seconds_since(start);
+  return 0;
+}
+
+/// Everything after the checks: `ready` are the pictures when they do not wait for the simulation.
+int do_stages(const Job& job, const Options& options, const Simulation& simulation, const std::vector<int>& frames,
+              std::optional<RunPictures> ready, const RunFolder& folder, int threads, RecordKeeper& keeper,
+              Progress& progress) {
+  const SignalWatch watch;
+  int signal = 0;
+  if (job.simulate) signal = simulate_stage(simulation, folder, options, frames.back(), keeper, progress);
+  if (job.pictures && signal == 0) {
+    const RunPictures pictures = ready ? std::move(*ready) : pictures_of_run(simulation, folder.path(), frames);
+    signal = picture_stage(pictures, job, folder, threads, keeper, progress);
+  }
+  if (signal != 0)
+    progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+/// States of another scene are not to be mixed with this one's.
+void require_same_run(const RunFolder& folder, const Simulation& simulation) {
+  const auto record = read_run_record(folder.record());
+  if (!record || record->model_sha256 == simulation.digest || count_states(folder.path()) == 0) return;
+  throw Error(ExitCode::bad_data, {.where = folder.path().string(),
+                                   .what = "holds the states of another scene, mesh or solver setting",
+                                   .remedy = "choose another folder with -o, or replace it with --overwrite"});
+}
+
+/// Keeps the exit code in run.json; a full disk before the first output means that it cannot be created, later that a
+/// write failed.
+[[noreturn]] void end_with(const Error& error, const RunFolder& folder, RecordKeeper& keeper) {
+  const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames());
+  const ExitCode code =
+      error.exit_code() == ExitCode::cannot_create && is_late ? ExitCode::io_error : error.exit_code();
+  keeper.finish_after_error(int(code));
+  throw Error(code, error.text());
+}
+
+}  // namespace
+
+int do_job(const Job& job, const Options& options) {
+  const ThreadLimit threads(options.threads);
+  Progress progress(stdout, options.progress, options.quiet);
+  const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
+  const std::vector<int> frames =
+      options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
+  check_before_start(job);
+  const long long steps = steps_left(job, frames.back()), memory = usable_memory(options.memory);
+  // before cages are made that no memory holds, and before they are filled
+  const CageWatch watch = [&](const std::vector<BodySetup>& caged) {
+    if (steps > 0) require_memory(size_of(job.scene, caged), job.scene, double(memory));
+  };
+  watch({});
+
+  const auto set_up_now =
+      job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene, watch));
+  const Simulation& simulation = *set_up_now;
+  for (const std::string& warning : simulation.warnings) progress.warning(warning);
+  for (const BodySetup& body : simulation.bodies)
+    progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
+                              body.lattice.num_hexes(), body.lattice.num_nodes()));
+
+  if (steps > 0) tell_cost(simulation, steps, memory, progress);
+
+  std::optional<RunPictures> pictures;
+  if (job.make_pictures) pictures = job.make_pictures(simulation, frames);
+
+  const RunFolder folder(job.folder, job.existing);
+  if (job.replace_pictures) folder.remove_pictures();
+  const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
+  require_same_run(folder, simulation);
+  write_file(folder.scene(), scene_text);
+  RecordKeeper keeper(folder, job, options, scene_text, simulation.digest, threads.count());
+  try {
+    return keeper.finish(
+        do_stages(job, options, simulation, frames, std::move(pictures), folder, threads.count(), keeper, progress));
+  } catch (const Error& error) {
+    end_with(error, folder, keeper);
+  }
+}
+
+std::vector<Override> scene_overrides(const Options& options) {
+  std::vector<Override> overrides;
+  if (options.quick) {
+    overrides.push_back({"render.size", "[320, 180]"});
+    overrides.push_back({"render.samples", "4"});
+  }
+  for (const std::string& setting : options.settings) overrides.push_back(parse_override(setting));
+  if (options.engine) overrides.push_back({"render.engine", *options.engine});
+  if (options.samples) overrides.push_back({"render.samples", std::to_string(*options.samples)});
+  if (options.size) overrides.push_back({"render.size", *options.size});
+  if (options.seed) overrides.push_back({"render.seed", std::to_string(*options.seed)});
+  return overrides;
+}
+
+void require_new_file(const std::filesystem::path& path, bool overwrite) {
+  std::error_code error;
+  if (!overwrite && std::filesystem::exists(path, error))
+    throw Error(
+        ExitCode::cannot_create,
+        {.where = path.string(), .what = "exists already", .remedy = "give another name with -o, or --overwrite"});
+}
+
+std::string single_input(const Options& options, const std::string& what) {
+  if (options.inputs.size() == 1) return options.inputs.front();
+  throw Error(ExitCode::usage,
+              {.what = "umax " + options.verb + " takes one " + what, .remedy = "see umax help " + options.verb});
+}
+
+std::filesystem::path output_folder(const Options& options, const std::string& name) {
+  if (!options.output) return name;
+  if (options.output->empty())
+    throw Error(ExitCode::usage, {.where = "-o", .what = "is empty", .remedy = "name a folder"});
+  return *options.output;
+}
+
+}  // namespace umax

@@ -1,0 +1,141 @@
+#include "tools/run/render_frames.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "core/base/error.h"
+#include "core/files/sha256.h"
+#include "scenes/resolved_scene.h"
+#include "tools/pictures/painter.h"
+#include "tools/run/clip.h"
+#include "tools/run/frame_list.h"
+#include "tools/system/signals.h"
+
+namespace umax {
+namespace {
+
+double aspect_of(const RenderDescription& render) {
+  return double(render.width) / render.height;
+}
+
+bool has_picture(const RunFolder& folder, int frame, bool exr) {
+  std::error_code error;
+  return std::filesystem::exists(folder.picture(frame), error) &&
+         (!exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
+}
+
+/// What all states that are there take up.
+struct Motion {
+  Box box;  // around the surfaces
+  HeatRange heat;
+};
+
+Motion motion_of(const Simulation& simulation, const std::filesystem::path& run) {
+  Motion motion;
+  const int count = std::min(count_states(run), simulation.last_frame());
+  for (int frame = 1; frame <= count; ++frame) {
+    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
+    motion.box.extend(box_of(simulation, state.positions));
+    extend(motion.heat, simulation, state);
+  }
+  return motion;
+}
+
+/// Digest of the scene as it is drawn: how many frames there are does not matter.
+std::string picture_digest(const Simulation& simulation, const std::string& view) {
+  Scene scene = simulation.scene;
+  scene.clip.frames = 1;
+  return sha256_hex(resolved_toml(scene) + simulation.digest + view);
+}
+
+std::string camera_text(const Camera& camera) {
+  std::string text;
+  for (const Vector3f& vector : {camera.position, camera.target})
+    text += fmt::format("{} {} {} ", vector.x(), vector.y(), vector.z());
+  return text;
+}
+
+/// Of a heat map's bar, whose range depends on the motion.
+std::string legend_text(const Stage& stage) {
+  if (!stage.legend) return {};
+  const Legend& legend = *stage.legend;
+  return fmt::format("heat to {} {} {} ", legend.high, legend.ends_at_limit, legend.slack);
+}
+
+void require_states(const std::filesystem::path& run, const std::vector<int>& frames) {
+  for (const int frame : frames)
+    if (std::error_code error; !std::filesystem::exists(state_path(run, frame), error))
+      throw Error(ExitCode::not_found, {.where = state_path(run, frame).string(),
+                                        .what = "there is no state of this frame",
+                                        .remedy = "simulate it first, or name other frames with --frames"});
+}
+
+}  // namespace
+
+RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
+                            const std::vector<int>& frames) {
+  require_states(run, frames);
+  const Motion motion = motion_of(simulation, run);
+  const RenderDescription& render = simulation.scene.render;
+  const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, motion.box, motion.heat));
+  RunPictures pictures;
+  pictures.digest = picture_digest(simulation, "run " + camera_text(camera) + legend_text(*stage));
+  pictures.list.frames = frames;
+  pictures.list.shot = [&simulation, run, camera, stage](int frame) {
+    return make_shot(simulation, *stage, read_state(state_path(run, frame), simulation.model, simulation.digest),
+                     camera);
+  };
+  return pictures;
+}
+
+RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames) {
+  const Box box = box_of(simulation, state.positions);
+  HeatRange range;
+  extend(range, simulation, state);
+  auto stage = std::make_shared<const Stage>(make_stage(simulation, box, range));
+  RunPictures pictures;
+  pictures.digest = picture_digest(
+      simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()) + legend_text(*stage));
+  pictures.list.frames = frames;
+  pictures.list.shot = [&simulation, state, box, stage](int frame) {
+    const double turn = double(frame - 1) / simulation.last_frame();
+    return make_shot(simulation, *stage, state,
+                     turntable_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render), turn));
+  };
+  return pictures;
+}
+
+RenderResult render_pictures(const PictureList& list, const RenderDescription& render, int threads,
+                             const RunFolder& folder, Progress& progress) {
+  RenderResult result;
+  std::vector<int> missing;
+  for (const int frame : list.frames)
+    if (!has_picture(folder, frame, render.exr)) missing.push_back(frame);
+  result.pictures = int(list.frames.size() - missing.size());
+  if (missing.empty()) return result;
+
+  create_folder(folder.frames());
+  Painter painter(render, threads);
+  progress.begin("render", int(list.frames.size()), result.pictures);
+  for (const int frame : missing) {
+    if (stop_signal() != 0) break;
+    if (!painter.paint(list.shot(frame), folder.picture(frame))) continue;  // stopped: the loop ends above
+    ++result.pictures;
+    progress.frame_done(frame);
+  }
+  result.signal = stop_signal();
+  progress.end();
+  return result;
+}
+
+void encode_pictures(const RunFolder& folder, const std::vector<int>& frames, const Scene& scene, Progress& progress) {
+  std::vector<std::filesystem::path> pictures;
+  for (const int frame : frames) pictures.push_back(folder.picture(frame));
+  encode_clip(folder.clip(), pictures,
+              {.fps = scene.clip.fps, .width = scene.render.width, .height = scene.render.height});
+  progress.note(fmt::format("clip: {} ({} frames)", folder.clip().string(), frames.size()));
+}
+
+}  // namespace umax

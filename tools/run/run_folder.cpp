@@ -1,0 +1,137 @@
+#include "tools/run/run_folder.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "core/base/error.h"
+#include "tools/run/frame_list.h"
+#include "tools/run/run_record.h"
+#include "tools/run/step_plots.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr FolderKind run_kind{"run of umax", ".umax.lock",
+                              [](const fs::path& path) { return read_run_record(path / "run.json").has_value(); }};
+
+bool is_numbered(const std::string& stem) {
+  return stem.size() >= 4 && std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_leftover(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with(".") && name.find(".part-") != std::string::npos;
+}
+
+/// Removes the files of `folder` that `ours` accepts, then the folder if nothing is left in it.
+template <class Predicate>
+void remove_files(const fs::path& folder, Predicate ours) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_regular_file(error) && ours(entry->path())) files.push_back(entry->path());
+  for (const fs::path& file : files)
+    if (!fs::remove(file, error))
+      refuse_folder(file, "cannot be removed (" + error.message() + ")", "choose another folder with -o");
+}
+
+void remove_numbered(const fs::path& folder, const std::vector<std::string>& extensions) {
+  remove_files(folder, [&](const fs::path& file) {
+    const bool known = std::find(extensions.begin(), extensions.end(), file.extension().string()) != extensions.end();
+    return (known && is_numbered(file.stem().string())) || is_leftover(file);
+  });
+  remove_if_empty(folder);
+}
+
+/// How many of the files of frames 1, 2, … are there before one is missing.
+template <class PathOf>
+int count_up_to_gap(const PathOf& path_of) {
+  int count = 0;
+  std::error_code error;
+  while (fs::exists(path_of(count + 1), error)) ++count;
+  return count;
+}
+
+void empty_run(const RunFolder& folder) {
+  // the record goes last: until then the folder is known as a run's, should we be killed in between
+  folder.remove_pictures();
+  remove_numbered(folder.states(), {".state"});
+  std::error_code error;
+  for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
+  remove_if_empty(folder.plots());
+  for (const fs::path& file : {folder.steps(), folder.scene(), folder.record()}) fs::remove(file, error);
+}
+
+}  // namespace
+
+void check_run_folder(const fs::path& path, ExistingFolder existing) {
+  check_folder(path, existing, run_kind);
+}
+
+RunFolder::RunFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, run_kind) {
+  if (folder_.is_new()) return;
+  if (existing == ExistingFolder::overwrite) empty_run(*this);
+  for (const fs::path& folder : {this->path(), states(), frames(), plots()}) remove_leftovers(folder);
+}
+
+fs::path RunFolder::state(int frame) const {
+  return state_path(path(), frame);
+}
+
+fs::path RunFolder::picture(int frame, const std::string& extension) const {
+  return frames() / (frame_name(frame) + extension);
+}
+
+void RunFolder::remove_pictures() const {
+  remove_numbered(frames(), {".png", ".exr"});
+  std::error_code error;
+  fs::remove(clip(), error);
+}
+
+void remove_run(const fs::path& path) {
+  std::error_code error;
+  { const RunFolder emptied(path, ExistingFolder::overwrite); }
+  fs::remove(path / run_kind.lock_name, error);
+  remove_if_empty(path);
+}
+
+void remove_runs(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> runs;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_directory(error) && is_run_folder(entry->path())) runs.push_back(entry->path());
+  for (const fs::path& run : runs) remove_run(run);
+  remove_if_empty(folder);
+}
+
+void remove_leftovers(const fs::path& folder) {
+  remove_files(folder, is_leftover);
+}
+
+void remove_if_empty(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_empty(folder, error)) fs::remove(folder, error);
+}
+
+bool is_run_folder(const fs::path& path) {
+  return is_of_kind(path, run_kind);
+}
+
+fs::path state_path(const fs::path& run_folder, int frame) {
+  return run_folder / "states" / (frame_name(frame) + ".state");
+}
+
+fs::path picture_path(const fs::path& run_folder, int frame) {
+  return run_folder / "frames" / (frame_name(frame) + ".png");
+}
+
+int count_states(const fs::path& run_folder) {
+  return count_up_to_gap([&](int frame) { return state_path(run_folder, frame); });
+}
+
+int count_pictures(const fs::path& run_folder) {
+  return count_up_to_gap([&](int frame) { return picture_path(run_folder, frame); });
+}
+
+}  // namespace umax

@@ -1,0 +1,64 @@
+// The folder of a run: where its files are, who may write to it, what may be replaced.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/system/locked_folder.h"
+
+namespace umax {
+
+/// Throws what RunFolder would throw for a folder that is there already. Changes nothing: for a look before long work.
+void check_run_folder(const std::filesystem::path& path, ExistingFolder existing);
+
+/// Owns the lock on a run's folder while it lives.
+class RunFolder {
+ public:
+  /// Throws what LockedFolder throws.
+  RunFolder(const std::filesystem::path& path, ExistingFolder existing);
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+  std::filesystem::path scene() const { return path() / "scene.toml"; }
+  std::filesystem::path steps() const { return path() / "steps.csv"; }
+  std::filesystem::path record() const { return path() / "run.json"; }
+  std::filesystem::path clip() const { return path() / "clip.mp4"; }
+  std::filesystem::path states() const { return path() / "states"; }
+  std::filesystem::path frames() const { return path() / "frames"; }
+  std::filesystem::path plots() const { return path() / "plots"; }
+  std::filesystem::path state(int frame) const;
+  std::filesystem::path picture(int frame, const std::string& extension = ".png") const;
+
+  /// Removes all pictures and the clip: they were made with other settings.
+  void remove_pictures() const;
+
+ private:
+  LockedFolder folder_;
+};
+
+/// Removes a run and its folder, unless that holds other files too. Throws what RunFolder throws.
+void remove_run(const std::filesystem::path& path);
+
+/// Removes all runs in a folder, and the folder if nothing is left in it. Throws what RunFolder throws.
+void remove_runs(const std::filesystem::path& folder);
+
+/// Removes what a killed program left half-written in a folder.
+void remove_leftovers(const std::filesystem::path& folder);
+
+/// Removes a folder that holds nothing; does nothing to others.
+void remove_if_empty(const std::filesystem::path& folder);
+
+/// Whether a run of this program made the folder.
+bool is_run_folder(const std::filesystem::path& path);
+
+/// Frames whose state files are there, from 1 up to the first gap.
+int count_states(const std::filesystem::path& run_folder);
+
+/// Frames whose pictures are there, from 1 up to the first gap.
+int count_pictures(const std::filesystem::path& run_folder);
+
+/// The path of a frame's state, or picture, in a run's folder, whoever holds it.
+std::filesystem::path state_path(const std::filesystem::path& run_folder, int frame);
+std::filesystem::path picture_path(const std::filesystem::path& run_folder, int frame);
+
+}  // namespace umax

@@ -1,0 +1,87 @@
+#include "tools/setup/camera_framing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace umax {
+namespace {
+
+constexpr double margin = 1.12;                           // [-] picture over box
+const Vector3d from_the_front = Vector3d(0.30, 0.20, 1);  // target to camera
+
+Points corners_of(const Box& box) {
+  Points corners(8, 3);
+  for (int i = 0; i < 8; ++i) corners.row(i) = box.corner(Box::CornerType(i)).transpose();
+  return corners;
+}
+
+/// How far from the target the camera must stand, in the direction `back`, to have all points in the picture.
+double fitting_distance(const Points& points, const Vector3d& target, const Vector3d& back, double vertical_fov_degrees,
+                        double aspect) {
+  const double tan_vertical = std::tan(vertical_fov_degrees * std::numbers::pi / 360) / margin;
+  const double tan_horizontal = tan_vertical * aspect;
+  const Vector3d right = Vector3d::UnitY().cross(back).normalized(), up = back.cross(right);
+  double distance = 1e-3 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  for (const auto& point : points.rowwise()) {
+    const Vector3d from_target = point.transpose() - target;
+    const double sideways =
+        std::max(std::abs(from_target.dot(right)) / tan_horizontal, std::abs(from_target.dot(up)) / tan_vertical);
+    distance = std::max(distance, from_target.dot(back) + sideways);
+  }
+  return distance;
+}
+
+Camera camera_at(const CameraDescription& description, const Vector3d& position, const Vector3d& target) {
+  Camera camera;
+  camera.position = position.cast<float>();
+  camera.target = target.cast<float>();
+  camera.vertical_fov_degrees = float(description.vertical_fov_degrees);
+  camera.aperture_radius = float(description.aperture_radius);
+  camera.focus_distance = float(description.focus_distance);
+  return camera;
+}
+
+}  // namespace
+
+Camera frame_camera(const CameraDescription& description, const Box& box, double aspect) {
+  const Vector3d target = description.target.value_or(Vector3d(box.center()));
+  if (description.position) return camera_at(description, *description.position, target);
+  const Vector3d back = from_the_front.normalized();
+  return camera_at(
+      description,
+      target + back * fitting_distance(corners_of(box), target, back, description.vertical_fov_degrees, aspect),
+      target);
+}
+
+Camera frame_points(const CameraDescription& description, const Points& points, double aspect, const Vector3d& back) {
+  // the middle of what is seen along the picture's axes
+  const Vector3d right = Vector3d::UnitY().cross(back).normalized(), up = back.cross(right);
+  Vector3d target = Vector3d::Zero();
+  for (const Vector3d& axis : {right, up, back}) {
+    const VectorXd along = points * axis;
+    target += 0.5 * (along.minCoeff() + along.maxCoeff()) * axis;
+  }
+  return camera_at(description,
+                   target + back * fitting_distance(points, target, back, description.vertical_fov_degrees, aspect),
+                   target);
+}
+
+Camera turntable_camera(const CameraDescription& description, const Box& box, double aspect, double turn) {
+  // the box's own circle, so that nothing leaves the picture on the way round
+  const double radius = 0.5 * std::hypot(box.sizes().x(), box.sizes().z());
+  const Vector3d half(radius, 0.5 * box.sizes().y(), radius);
+  const Box round(box.center() - half, box.center() + half);
+  const Vector3d target = description.target.value_or(Vector3d(box.center()));
+  const Vector3d front =
+      (description.position ? Vector3d(*description.position - target) : from_the_front).normalized();
+  const double distance =
+      description.position
+          ? (*description.position - target).norm()
+          : fitting_distance(corners_of(round), target, Vector3d(0, front.y(), std::hypot(front.x(), front.z())),
+                             description.vertical_fov_degrees, aspect);
+  const Vector3d back = Eigen::AngleAxisd(2 * std::numbers::pi * turn, Vector3d::UnitY()) * front;
+  return camera_at(description, target + back * distance, target);
+}
+
+}  // namespace umax
