@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/linear/direct/sparse_cholesky.h"
+#include "core/linear/multigrid/chebyshev.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
@@ -112,6 +114,27 @@ TEST_CASE("multigrid gives the direct solver's solution in a bounded number of i
     CHECK(residual < 2e-10);  // the assembled matrix rounds differently
     CHECK((solution.x - expected).norm() < 1e-8 * expected.norm());
     CHECK(to_1e8 <= c.most_iterations);
+  }
+}
+
+TEST_CASE("Chebyshev's iteration leaves over what its polynomial says, inside the interval and outside") {
+  constexpr double largest = 3, interval = 8;
+  const double theta = largest * (1 + 1 / interval) / 2, delta = largest * (1 - 1 / interval) / 2;
+  const auto polynomial = [](int n, double x) {  // T_n
+    double before = 1, now = x;
+    for (int i = 1; i < n; ++i) before = std::exchange(now, 2 * x * now - before);
+    return n == 0 ? 1 : now;
+  };
+  for (const double eigenvalue : {0.1, largest / interval, 1.1, 2.7, largest}) {
+    ChebyshevRecurrence<double> recurrence(largest, interval);
+    double error = 1, d = recurrence.first_gain() * eigenvalue;
+    for (int n = 1; n < 6; ++n) {
+      error -= d;
+      const double expected = polynomial(n, (theta - eigenvalue) / delta) / polynomial(n, theta / delta);
+      CHECK(error == Approx(expected).margin(1e-12));
+      const auto [momentum, gain] = recurrence.next();
+      d = momentum * d + gain * eigenvalue * error;
+    }
   }
 }
 

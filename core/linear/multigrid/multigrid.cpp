@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/linear/multigrid/chebyshev.h"
 #include "core/linear/multigrid/multigrid_cycle.h"
 
 namespace umax {
@@ -24,16 +25,13 @@ Vector3i coarsening_factor(const Vector3d& cell_size) {
   return (cell_size.array() <= nearly_short * shortest).select(Vector3i::Constant(2), Vector3i::Constant(1));
 }
 
-// x_{n+1} = x_n + d_n, d_n = rho_n rho_{n-1} d_{n-1} + 2 rho_n / delta D^-1 (b - A x_n), as (keep, momentum, gain)
+// as (keep, momentum, gain) of iterates: x_{n+1} = (1 + m) x_n - m x_{n-1} + g D^-1 (b - A x_n)
 std::vector<ChebyshevStep> chebyshev_steps(double largest, int degree) {
-  const double theta = largest * (1 + 1 / interval) / 2, delta = largest * (1 - 1 / interval) / 2;
-  std::vector<ChebyshevStep> steps{{1, 0, float(1 / theta)}};
-  double rho = delta / theta;
+  ChebyshevRecurrence<double> recurrence(largest, interval);
+  std::vector<ChebyshevStep> steps{{1, 0, float(recurrence.first_gain())}};
   for (int n = 1; n < degree; ++n) {
-    const double next = 1 / (2 * theta / delta - rho);
-    const double momentum = next * rho;
-    steps.push_back({float(1 + momentum), float(-momentum), float(2 * next / delta)});
-    rho = next;
+    const auto [momentum, gain] = recurrence.next();
+    steps.push_back({float(1 + momentum), float(-momentum), float(gain)});
   }
   return steps;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/linear/multigrid/chebyshev.h"
 
 namespace umax {
 namespace {
@@ -251,16 +252,14 @@ std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const T
 }
 
 VectorXf solve(StripMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b) {
-  const float theta = matrix.largest * (1 + 1 / options.interval) / 2,
-              delta = matrix.largest * (1 - 1 / options.interval) / 2;
+  ChebyshevRecurrence<float> recurrence(matrix.largest, options.interval);
+  const float first_gain = recurrence.first_gain();
   parallel_blocks(b.size(), terms_per_block, [&](Eigen::Index first, Eigen::Index end) {
-    for (Eigen::Index t = first; t < end; ++t) begin(matrix, matrix.lanes[t], matrix.scale[t] * b[t], 1 / theta);
+    for (Eigen::Index t = first; t < end; ++t) begin(matrix, matrix.lanes[t], matrix.scale[t] * b[t], first_gain);
   });
-  float rho = delta / theta;
   for (int step = 1; step < options.steps; ++step) {
-    const float next = 1 / (2 * theta / delta - rho);
-    sweep(matrix, (step - 1) % 2, next * rho, 2 * next / delta);
-    rho = next;
+    const auto [momentum, gain] = recurrence.next();
+    sweep(matrix, (step - 1) % 2, momentum, gain);
   }
   VectorXf x(b.size());
   parallel_blocks(x.size(), terms_per_block, [&](Eigen::Index first, Eigen::Index end) {
