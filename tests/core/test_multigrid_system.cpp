@@ -267,9 +267,7 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   MultigridLevel &fine_grid = grid.multigrid.levels[0], &coarse_grid = grid.multigrid.levels[1];
   for (std::size_t slot = 0; slot < coarse_grid.lattice.num_slots(); ++slot)
     if (coarse_grid.matrix.diagonal[slot] > 0)
-      for (int c = 0; c < 3; ++c)
-        coarse_grid.x[0][slot_offset(int(slot), vector_components) + std::size_t(c) * brick_lanes] =
-            float(random.uniform(-1, 1));
+      set_node_value(int(slot), random.vector(1).cast<float>().eval(), coarse_grid.x[0]);
   std::fill(fine_grid.x[0].begin(), fine_grid.x[0].end(), 0.f);
   prolong(grid.multigrid, 0, coarse_grid.x[0], 0);
   VectorXd products(Eigen::Index(fine.terms.vectors.size())), measured(Eigen::Index(coarse.terms.vectors.size()));

@@ -49,9 +49,7 @@ template <class S>
 HexMatrix<S> HexSystem::matrix() const {
   HexMatrix<S> matrix = make_hex_matrix<S>(bricks);
   for (std::size_t e = 0; e < rotations.size(); ++e)
-    for (int r = 0; r < frame_components; ++r)
-      matrix.frames[slot_offset(cell_slots[e], frame_components) + r * brick_lanes] =
-          S(std::sqrt(stiffness[Eigen::Index(e)]) * rotations[e](r / 3, r % 3));
+    set_frame_at(cell_slots[e], std::sqrt(stiffness[Eigen::Index(e)]) * rotations[e], matrix.frames);
   for (std::size_t n = 0; n < fixed.size(); ++n)
     matrix.diagonal[node_slots[n]] = S(fixed[n] ? -diagonal[Eigen::Index(n)] : diagonal[Eigen::Index(n)]);
   return matrix;

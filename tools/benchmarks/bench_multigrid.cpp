@@ -83,7 +83,7 @@ class LinearStep {
       const double w = share * density * h * h * h / (time_step * time_step);
       multigrid_.levels.front().matrix.diagonal[std::size_t(slot)] = float(node[0] == 0 ? -w : w);
       const Vector3d place = bent(h * node.cast<double>(), bend);
-      for (int c = 0; c < 3; ++c) positions_[slot_offset(slot, vector_components) + c * brick_lanes] = place[c];
+      set_node_value(slot, place, positions_);
     });
   }
 
@@ -186,12 +186,11 @@ BenchRows operator_speed(int n, double limit, const std::string& aim, int calls)
   HexMatrix<float> matrix = make_hex_matrix<float>(bricks);
   AlignedArray<float> x(bricks.num_slots() * vector_components), y(x.size());
   for_each_point(bricks, bricks.cell_masks, [&](int slot, const Vector3i&) {
-    for (int r = 0; r < frame_components; r += 4)
-      matrix.frames[slot_offset(slot, frame_components) + r * brick_lanes] = float(std::sqrt(young));
+    set_frame_at(slot, std::sqrt(young) * Matrix3d::Identity(), matrix.frames);
   });
   for_each_point(bricks, bricks.node_masks, [&](int slot, const Vector3i& node) {
     matrix.diagonal[std::size_t(slot)] = 1;
-    for (int c = 0; c < 3; ++c) x[slot_offset(slot, vector_components) + c * brick_lanes] = float(scatter(node));
+    set_node_value(slot, Vector3f(Vector3f::Constant(float(scatter(node)))), x);
   });
   const std::vector<double> ms = time_calls(calls, [&] { apply(op, matrix, x, y); });
   const double per_hex = 1e6 / double(bricks.num_cells);

@@ -173,6 +173,17 @@ int slot_of(const BrickLattice& lattice, const Vector3i& point) {
   return (brick * brick_lines + line_of(point)) * brick_lanes + point[2] % brick_lanes;
 }
 
+int slot_near(const BrickLattice& lattice, int slot, const Vector3i& step) {
+  const Vector3i at = place_in_brick(slot) + step;
+  const auto outside = [](int value, int size) { return value < 0 ? -1 : value >= size ? 1 : 0; };
+  const int di = outside(at[0], brick_edge), dj = outside(at[1], brick_edge), dk = outside(at[2], brick_lanes);
+  int brick = lattice.bricks[slot / brick_slots].near[near_index(di, dj, std::max(dk, 0))];
+  if (dk < 0) brick = lattice.bricks[brick].continues ? brick - 1 : 0;
+  if (brick == 0) return -1;
+  const Vector3i there(at[0] & (brick_edge - 1), at[1] & (brick_edge - 1), at[2] & (brick_lanes - 1));
+  return (brick * brick_lines + line_of(there)) * brick_lanes + there[2];
+}
+
 BrickLattice make_brick_lattice(const Cells& cells, const Vector3d& cell_size) {
   const Vector3i first = cells.colwise().minCoeff().transpose();
   const auto point = [&](Eigen::Index e) -> Vector3i { return cells.row(e).transpose() - first; };
@@ -210,10 +221,8 @@ BrickLattice coarsen(const BrickLattice& fine, const Vector3i& factor) {
     for (int slot = 0; slot < brick_slots; ++slot) {
       const int line = slot / brick_lanes;
       if (!(fine.cell_masks[b * brick_lines + line] >> slot % brick_lanes & 1)) continue;
-      const Vector3i cell = Vector3i(brick_size[0] * fine.bricks[b].place[0] + line / brick_edge,
-                                     brick_size[1] * fine.bricks[b].place[1] + line % brick_edge,
-                                     brick_size[2] * fine.bricks[b].place[2] + slot % brick_lanes)
-                                .cwiseQuotient(factor);
+      const Eigen::Map<const Vector3i> size(brick_size.data()), place(fine.bricks[b].place);
+      const Vector3i cell = (size.cwiseProduct(place) + place_in_brick(slot)).cwiseQuotient(factor);
       coarse.cells[line_of(cell)] |= std::uint16_t(1u << cell[2] % brick_lanes);
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -51,6 +52,22 @@ int find_brick(const BrickLattice& lattice, const Vector3i& place);
 
 /// Slot of a point, from first_cell; in brick 0 where its brick is not stored.
 int slot_of(const BrickLattice& lattice, const Vector3i& point);
+
+/// Where a slot stands in its brick: [0, 8) x [0, 8) x [0, 16).
+inline Vector3i place_in_brick(int slot) {
+  const int line = slot / brick_lanes % brick_lines;
+  return {line / brick_edge, line % brick_edge, slot % brick_lanes};
+}
+
+/// Slot of the point `step` (-1 .. 2 along each axis) from that in a slot; -1: in no brick.
+int slot_near(const BrickLattice& lattice, int slot, const Vector3i& step);
+
+/// Slots of the nodes of the cell in a slot.
+inline std::array<int, 8> corner_slots(const BrickLattice& lattice, int cell) {
+  std::array<int, 8> nodes{};
+  for (int n = 0; n < 8; ++n) nodes[n] = slot_near(lattice, cell, corner(n));
+  return nodes;
+}
 
 /// Slot of each cell, and of each node of hexes over these cells (Lattice's order).
 std::vector<int> cell_slots(const BrickLattice& lattice, const Cells& cells);

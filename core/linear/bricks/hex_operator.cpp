@@ -113,28 +113,10 @@ void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>
   for (std::size_t line = 0; line < masks.size(); ++line)
     for (int lane = 0; lane < brick_lanes; ++lane) {
       if (!(masks[line] >> lane & 1)) continue;
-      float* frame = frames.data() + line * frame_components * brick_lanes + lane;
-      Matrix3d Q;
-      for (int r = 0; r < 9; ++r) Q(r / 3, r % 3) = double(frame[r * brick_lanes]);
-      const Matrix3d R = std::sqrt(Q.squaredNorm() / 3) * polar_rotation(Q);
-      for (int r = 0; r < 9; ++r) frame[r * brick_lanes] = float(R(r / 3, r % 3));
+      const int slot = int(line) * brick_lanes + lane;
+      const Matrix3d Q = frame_at(frames, slot);
+      set_frame_at(slot, std::sqrt(Q.squaredNorm() / 3) * polar_rotation(Q), frames);
     }
-}
-
-template <class T>
-void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks) {
-  for (std::size_t node = 0; node < slots.size(); ++node)
-    for (int c = 0; c < 3; ++c)
-      bricks[slot_offset(slots[node], vector_components) + c * brick_lanes] = T(values[3 * Eigen::Index(node) + c]);
-}
-
-template <class T>
-void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values) {
-  values.resize(3 * Eigen::Index(slots.size()));
-  for (std::size_t node = 0; node < slots.size(); ++node)
-    for (int c = 0; c < 3; ++c)
-      values[3 * Eigen::Index(node) + c] =
-          double(bricks[slot_offset(slots[node], vector_components) + c * brick_lanes]);
 }
 
 template HexMatrix<float> make_hex_matrix(const BrickLattice&);
@@ -152,9 +134,5 @@ template void force(const HexOperator&, const HexMatrix<float>&, const AlignedAr
                     const AlignedArray<double>&, AlignedArray<double>&);
 template void force(const HexOperator&, const HexMatrix<double>&, const AlignedArray<double>&,
                     const AlignedArray<double>&, AlignedArray<double>&);
-template void to_bricks(const std::vector<int>&, const VectorXd&, AlignedArray<float>&);
-template void to_bricks(const std::vector<int>&, const VectorXd&, AlignedArray<double>&);
-template void from_bricks(const std::vector<int>&, const AlignedArray<float>&, VectorXd&);
-template void from_bricks(const std::vector<int>&, const AlignedArray<double>&, VectorXd&);
 
 }  // namespace umax

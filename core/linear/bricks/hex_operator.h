@@ -5,10 +5,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
-#include "core/linear/bricks/aligned_array.h"
-#include "core/linear/bricks/brick_lattice.h"
+#include "core/linear/bricks/brick_access.h"
 #include "core/linear/bricks/hadamard_hex.h"
 
 namespace umax {
@@ -65,42 +64,6 @@ void set_frames(const HexOperator& op, const AlignedArray<double>& positions, co
 /// Where masks (64 per brick) have a bit set, the frame is sqrt(s) times any matrix of norm sqrt(3): makes it one of
 /// that matrix's polar factor (core/element/rotation.h).
 void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>& frames);
-
-/// Node values (3 #N, Lattice's order) to bricks and back; slots: node_slots().
-template <class T>
-void to_bricks(const std::vector<int>& slots, const VectorXd& values, AlignedArray<T>& bricks);
-template <class T>
-void from_bricks(const std::vector<int>& slots, const AlignedArray<T>& bricks, VectorXd& values);
-
-/// The block D^-1 of the node in a slot, from 6 numbers per node.
-inline Matrix3f inverse_block(const AlignedArray<float>& inverse, int slot) {
-  const float* d = inverse.data() + slot_offset(slot, inverse_components);
-  Matrix3f block;
-  block << d[0], d[brick_lanes], d[2 * brick_lanes],           //
-      d[brick_lanes], d[3 * brick_lanes], d[4 * brick_lanes],  //
-      d[2 * brick_lanes], d[4 * brick_lanes], d[5 * brick_lanes];
-  return block;
-}
-
-/// Values of a hex's nodes, 3 each, from bricks; nodes: slots.
-inline Eigen::Matrix<float, 24, 1> gather_nodes(const std::array<int, 8>& nodes, const AlignedArray<float>& x) {
-  Eigen::Matrix<float, 24, 1> local;
-  for (int n = 0; n < 8; ++n)
-    for (int c = 0; c < 3; ++c)
-      local[3 * n + c] = x[slot_offset(nodes[n], vector_components) + std::size_t(c) * brick_lanes];
-  return local;
-}
-
-/// x += of_node, at the node in a slot.
-inline void add_at_node(int slot, const Vector3f& of_node, AlignedArray<float>& x) {
-  for (int c = 0; c < 3; ++c) x[slot_offset(slot, vector_components) + std::size_t(c) * brick_lanes] += of_node[c];
-}
-
-/// x += local, at a hex's nodes.
-inline void add_at_nodes(const std::array<int, 8>& nodes, const Eigen::Matrix<float, 24, 1>& local,
-                         AlignedArray<float>& x) {
-  for (int n = 0; n < 8; ++n) add_at_node(nodes[n], local.segment<3>(3 * n), x);
-}
 
 /// to = from, on all threads.
 inline void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {

@@ -1,6 +1,7 @@
 #include "core/linear/multigrid/multigrid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -105,8 +106,7 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
   std::fill(weights.begin(), weights.end(), 0.f);
   for (std::size_t b = 1; b < coarse.lattice.bricks.size(); ++b)
     for (int slot = 0; slot < brick_slots; ++slot) {
-      const Vector3i local(slot / brick_lanes / brick_edge, slot / brick_lanes % brick_edge, slot % brick_lanes);
-      const Vector3i at = local.cwiseProduct(fine.factor);
+      const Vector3i at = place_in_brick(slot).cwiseProduct(fine.factor);
       const int parent = (at[0] / brick_edge + 1) * 9 + (at[1] / brick_edge + 1) * 3 + at[2] / brick_lanes + 1;
       const std::size_t brick = std::size_t(fine.parents[b].fine[parent]);
       const int line = brick_edge * (at[0] % brick_edge) + at[1] % brick_edge;
@@ -121,22 +121,12 @@ void invert_blocks(MultigridLevel& level) {
   run(level.lattice, [&](int first, int last) { kernels_of(level).invert_blocks(task, first, last); });
 }
 
-// calls visit(brick, line, lane) for the set bits of masks
+// calls visit(slot) for the set bits of masks
 template <class Visit>
 void for_each_set(const std::vector<std::uint16_t>& masks, const Visit& visit) {
   for (std::size_t line = 0; line < masks.size(); ++line)
     for (int lane = 0; lane < brick_lanes; ++lane)
       if (masks[line] >> lane & 1) visit(int(line * brick_lanes) + lane);
-}
-
-// slot of corner n of the cell in a slot
-int corner_slot(const BrickLattice& lattice, int cell, int n) {
-  const int line = cell / brick_lanes % brick_lines;
-  const Vector3i at = Vector3i(line / brick_edge, line % brick_edge, cell % brick_lanes) + corner(n);
-  const int near = near_index(at[0] / brick_edge, at[1] / brick_edge, at[2] / brick_lanes);
-  const int brick = lattice.bricks[cell / brick_slots].near[near];
-  return (brick * brick_lines + brick_edge * (at[0] % brick_edge) + at[1] % brick_edge) * brick_lanes +
-         at[2] % brick_lanes;
 }
 
 // the last level's matrix, unknowns in the order of dense_slots; fixed nodes are ones
@@ -147,13 +137,9 @@ MatrixXd assemble(const MultigridLevel& level, const std::vector<int>& slots) {
   for (std::size_t i = 0; i < slots.size(); ++i)
     A.diagonal().segment<3>(3 * Eigen::Index(i)).setConstant(double(level.matrix.diagonal[slots[i]]));
   for_each_set(level.lattice.cell_masks, [&](int cell) {
-    Matrix3d Q;
-    for (int r = 0; r < 9; ++r)
-      Q(r / 3, r % 3) = double(level.matrix.frames[slot_offset(cell, frame_components) + r * brick_lanes]);
-    for (int m = 0; m < 8; ++m)
-      for (int n = 0; n < 8; ++n)
-        A.block<3, 3>(3 * index[corner_slot(level.lattice, cell, m)], 3 * index[corner_slot(level.lattice, cell, n)]) +=
-            Q * level.shape.stiffness.block<3, 3>(3 * m, 3 * n) * Q.transpose();
+    std::array<int, 8> places = corner_slots(level.lattice, cell);
+    for (int& place : places) place = index[place];
+    add_turned_stiffness(frame_at(level.matrix.frames, cell), level.shape.stiffness, places, places, A);
   });
   for (std::size_t i = 0; i < slots.size(); ++i)
     if (!(level.matrix.diagonal[slots[i]] > 0))

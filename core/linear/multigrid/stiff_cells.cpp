@@ -14,28 +14,8 @@ constexpr int most_shared = 3;      // solved hexes that touch a hex of the latt
 constexpr double damping = 0.63;    // less than 2 / most_shared
 constexpr Eigen::Index grain = 16;  // hexes per task
 
-// Slot of the point `step` (-1 .. 2 along each axis) from that in a slot; -1: in no brick.
-int slot_at(const BrickLattice& lattice, int slot, const Vector3i& step) {
-  const int line = slot / brick_lanes % brick_lines;
-  const Vector3i at = Vector3i(line / brick_edge, line % brick_edge, slot % brick_lanes) + step;
-  const auto outside = [](int value, int size) { return value < 0 ? -1 : value >= size ? 1 : 0; };
-  const int di = outside(at[0], brick_edge), dj = outside(at[1], brick_edge), dk = outside(at[2], brick_lanes);
-  int brick = lattice.bricks[slot / brick_slots].near[near_index(di, dj, std::max(dk, 0))];
-  if (dk < 0) brick = lattice.bricks[brick].continues ? brick - 1 : 0;
-  if (brick == 0) return -1;
-  return (brick * brick_lines + brick_edge * (at[0] & (brick_edge - 1)) + (at[1] & (brick_edge - 1))) * brick_lanes +
-         (at[2] & (brick_lanes - 1));
-}
-
 Vector3i neighbour_step(int n) {
   return {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
-}
-
-Matrix3d frame_at(const HexMatrix<float>& matrix, int slot) {
-  Matrix3d Q;
-  for (int r = 0; r < frame_components; ++r)
-    Q(r / 3, r % 3) = double(matrix.frames[slot_offset(slot, frame_components) + r * brick_lanes]);
-  return Q;
 }
 
 // s per slot, 0 where there is no cell
@@ -56,7 +36,7 @@ std::vector<float> stiffnesses(const BrickLattice& lattice, const HexMatrix<floa
 bool is_stiff(const BrickLattice& lattice, const std::vector<float>& s, int slot, double contrast) {
   float softest = std::numeric_limits<float>::infinity();
   for (int n = 0; n < 27; ++n) {
-    const int other = slot_at(lattice, slot, neighbour_step(n));
+    const int other = slot_near(lattice, slot, neighbour_step(n));
     if (other >= 0 && s[other] > 0) softest = std::min(softest, s[other]);
   }
   return double(s[slot]) >= contrast * double(softest);
@@ -76,13 +56,13 @@ std::vector<int> choose(const BrickLattice& lattice, const std::vector<float>& s
     if (double(s[slot]) < contrast * double(least) || !is_stiff(lattice, s, slot, contrast)) continue;
     bool crowded = false;
     for (int n = 0; n < 27; ++n) {
-      const int other = slot_at(lattice, slot, neighbour_step(n));
+      const int other = slot_near(lattice, slot, neighbour_step(n));
       crowded |= other >= 0 && touched[other] == most_shared;
     }
     if (crowded) continue;
     chosen.push_back(slot);
     for (int n = 0; n < 27; ++n) {
-      const int other = slot_at(lattice, slot, neighbour_step(n));
+      const int other = slot_near(lattice, slot, neighbour_step(n));
       if (other >= 0) ++touched[other];
     }
   }
@@ -104,9 +84,9 @@ std::array<int, 8> shared_nodes(const Vector3i& step) {
 template <class Visit>
 void for_each_around(const BrickLattice& lattice, const HexMatrix<float>& matrix, int slot, const Visit& visit) {
   for (int n = 0; n < 27; ++n) {
-    const int cell = slot_at(lattice, slot, neighbour_step(n));
+    const int cell = slot_near(lattice, slot, neighbour_step(n));
     if (cell < 0) continue;
-    const Matrix3d Q = frame_at(matrix, cell);
+    const Matrix3d Q = frame_at(matrix.frames, cell);
     if (!Q.isZero(0)) visit(Q, neighbour_step(n), shared_nodes(neighbour_step(n)));
   }
 }
@@ -114,10 +94,7 @@ void for_each_around(const BrickLattice& lattice, const HexMatrix<float>& matrix
 Matrix24d local_matrix(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot) {
   Matrix24d A = Matrix24d::Zero();
   for_each_around(lattice, matrix, slot, [&](const Matrix3d& Q, const Vector3i&, const std::array<int, 8>& local) {
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        if (local[a] >= 0 && local[b] >= 0)
-          A.block<3, 3>(3 * local[a], 3 * local[b]) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+    add_turned_stiffness(Q, K, local, local, A);
   });
   return A;
 }
@@ -145,13 +122,12 @@ StiffCells::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix
 void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot,
                 const std::array<int, 8>& nodes, std::array<int, 64>& reached, StiffCells::Rows& rows) {
   const auto at = [](const Vector3i& step) { return 16 * (step[0] + 1) + 4 * (step[1] + 1) + step[2] + 1; };
-  for (int m = 0; m < 64; ++m) reached[m] = slot_at(lattice, slot, {m / 16 - 1, m / 4 % 4 - 1, m % 4 - 1});
+  for (int m = 0; m < 64; ++m) reached[m] = slot_near(lattice, slot, {m / 16 - 1, m / 4 % 4 - 1, m % 4 - 1});
   Eigen::Matrix<double, 24, 192> A = Eigen::Matrix<double, 24, 192>::Zero();
   for_each_around(lattice, matrix, slot, [&](const Matrix3d& Q, const Vector3i& step, const std::array<int, 8>& local) {
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        if (local[a] >= 0)
-          A.block<3, 3>(3 * local[a], 3 * at(step + corner(b))) += Q * K.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+    std::array<int, 8> columns{};
+    for (int n = 0; n < 8; ++n) columns[n] = at(step + corner(n));
+    add_turned_stiffness(Q, K, local, columns, A);
   });
   for (int n = 0; n < 8; ++n) {
     const double w = double(matrix.diagonal[nodes[n]]);
@@ -173,8 +149,7 @@ void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, con
 StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const AlignedArray<float>& x) {
   Eigen::Matrix<float, 192, 1> around = Eigen::Matrix<float, 192, 1>::Zero();
   for (int m = 0; m < 64; ++m)
-    if (const int slot = cells.reached[e][m]; slot >= 0)
-      for (int c = 0; c < 3; ++c) around[3 * m + c] = x[slot_offset(slot, vector_components) + c * brick_lanes];
+    if (const int slot = cells.reached[e][m]; slot >= 0) around.segment<3>(3 * m) = node_value(x, slot);
   return cells.rows[e] * around;
 }
 
@@ -194,7 +169,7 @@ StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matri
   }
   parallel_blocks(Eigen::Index(chosen.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
-      for (int n = 0; n < 8; ++n) cells.nodes[e][n] = slot_at(lattice, chosen[e], corner(n));
+      cells.nodes[e] = corner_slots(lattice, chosen[e]);
       cells.inverses[e] = damped_inverse(local_matrix(lattice, matrix, stiffness, chosen[e]), matrix, cells.nodes[e]);
       if (with_rows) store_rows(lattice, matrix, stiffness, chosen[e], cells.nodes[e], cells.reached[e], cells.rows[e]);
     }
@@ -219,8 +194,7 @@ std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const
     before.emplace_back(cells.inverses[e] * gather_nodes(cells.nodes[e], r));
     const Eigen::Matrix<float, 192, 1> force = cells.rows[e].transpose() * before[e];
     for (int m = 0; m < 64; ++m)
-      if (const int slot = cells.reached[e][m]; slot >= 0)
-        for (int c = 0; c < 3; ++c) rest[slot_offset(slot, vector_components) + c * brick_lanes] -= force[3 * m + c];
+      if (const int slot = cells.reached[e][m]; slot >= 0) add_at_node(slot, -force.segment<3>(3 * m), rest);
   }
   return before;
 }

@@ -156,9 +156,7 @@ AlignedArray<float>& solve_last(Multigrid& multigrid, const TermMultigrid& coupl
   y = solved.cast<float>();
   const VectorXd moved = coupled.responses * solved;
   for (std::size_t i = 0; i < multigrid.dense_slots.size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      x[slot_offset(multigrid.dense_slots[i], vector_components) + std::size_t(c) * brick_lanes] -=
-          float(moved[3 * Eigen::Index(i) + c]);
+    add_at_node(multigrid.dense_slots[i], -moved.segment<3>(3 * Eigen::Index(i)).cast<float>(), x);
   return x;
 }
 
