@@ -45,7 +45,7 @@ double largest_value(const Model::BodyRange& body, const VectorXd& values) {
 BodyGrid make_body_grid(const Model& model, const Model::BodyRange& body) {
   BodyGrid grid;
   grid.multigrid = make_multigrid(make_brick_lattice(body.cells, body.cell_edges), body.material.poisson);
-  const BrickLattice& lattice = grid.multigrid.levels.front().lattice;
+  const BrickLattice& lattice = grid.multigrid.levels.front().lattice();
   grid.cell_slots = cell_slots(lattice, body.cells);
   Hexes hexes = model.hexes.middleRows(body.first_hex, body.num_hexes);
   hexes.array() -= body.first_node;
@@ -134,9 +134,6 @@ void require_solvable(const Model& model, const SolverOptions& solver) {
 MultigridSystem make_multigrid_system(const Model& model) {
   MultigridSystem system;
   for (const Model::BodyRange& body : model.bodies) system.bodies.push_back(make_body_grid(model, body));
-  // the operators keep the addresses of lattices
-  for (BodyGrid& grid : system.bodies)
-    for (MultigridLevel& level : grid.multigrid.levels) level.op.lattice = &level.lattice;
   return system;
 }
 

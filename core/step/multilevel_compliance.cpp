@@ -107,13 +107,14 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
     MultilevelCompliance::Point& point = compliance.points[i];
     point.body = body;
     const Eigen::Index cell = contacts[i].hex - model.bodies[body].first_hex;
-    Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice.first_cell,
+    Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice().first_cell,
                 contacts[i].weights};
     for (std::size_t l = 0; l < levels.size(); ++l) {
       if (l > 0) place = coarser(place, levels[l - 1].factor);
       Share share;
       share.weights = place.weights;
-      for (int n = 0; n < 8; ++n) share.nodes[n] = numberings[l].of(slot_of(levels[l].lattice, place.cell + corner(n)));
+      for (int n = 0; n < 8; ++n)
+        share.nodes[n] = numberings[l].of(slot_of(levels[l].lattice(), place.cell + corner(n)));
       if (l < num_single)
         point.shares.push_back(share);
       else

@@ -161,6 +161,32 @@ TEST_CASE("the V-cycle is symmetric and positive definite") {
   }
 }
 
+TEST_CASE("operators and multigrids may be moved, and outlive what they were made from") {
+  const HexSystem system = test::make_hex_system(cases()[2].system);
+  Random random(17);
+  AlignedArray<float> r(system.bricks.num_slots() * vector_components), product(r.size()), expected_product(r.size());
+  to_bricks(system.node_slots, system.random_vector(random), r);
+  BrickLattice bricks = system.bricks;
+  const HexOperator op = make_hex_operator(bricks, system.shape);
+  apply(op, system.matrix<float>(), r, expected_product);
+  bricks = {};
+  apply(HexOperator(op), system.matrix<float>(), r, product);
+  CHECK(std::equal(product.begin(), product.end(), expected_product.begin()));
+
+  Multigrid multigrid = multigrid_of(system, {});
+  double rz = 0, expected_rz = 0;
+  VectorXd z, expected;
+  from_bricks(system.node_slots, precondition(multigrid, r, expected_rz), expected);
+  std::vector<MultigridLevel> elsewhere;
+  for (MultigridLevel& level : multigrid.levels) elsewhere.push_back(std::move(level));
+  Multigrid moved = std::move(multigrid);
+  moved.levels = std::move(elsewhere);
+  multigrid = {};
+  from_bricks(system.node_slots, precondition(moved, r, rz), z);
+  CHECK(rz == expected_rz);
+  CHECK(z == expected);
+}
+
 TEST_CASE("a solution's bits do not depend on the number of threads") {
   for (const Case& c : cases()) {
     const HexSystem system = test::make_hex_system(c.system);

@@ -265,7 +265,7 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   const TermLevel &fine = grid.terms.levels[0], &coarse = grid.terms.levels[1];
   test::Random random(9);
   MultigridLevel &fine_grid = grid.multigrid.levels[0], &coarse_grid = grid.multigrid.levels[1];
-  for (std::size_t slot = 0; slot < coarse_grid.lattice.num_slots(); ++slot)
+  for (std::size_t slot = 0; slot < coarse_grid.lattice().num_slots(); ++slot)
     if (coarse_grid.matrix.diagonal[slot] > 0)
       set_node_value(int(slot), random.vector(1).cast<float>().eval(), coarse_grid.x[0]);
   std::fill(fine_grid.x[0].begin(), fine_grid.x[0].end(), 0.f);

@@ -35,7 +35,7 @@ struct Resting {
     BodyGrid& grid = system.bodies.front();
     const MultigridLevel& level = grid.multigrid.levels.front();
     MatrixXd A(3 * model.num_nodes(), 3 * model.num_nodes());
-    AlignedArray<double> x(level.lattice.num_slots() * vector_components), y(x.size());
+    AlignedArray<double> x(level.lattice().num_slots() * vector_components), y(x.size());
     for (Eigen::Index i = 0; i < A.cols(); ++i) {
       to_bricks(grid.node_slots, VectorXd::Unit(A.cols(), i), x);
       apply(level.op, level.matrix, x, y);

@@ -87,7 +87,7 @@ class LinearStep {
     });
   }
 
-  const BrickLattice& lattice() const { return multigrid_.levels.front().lattice; }
+  const BrickLattice& lattice() const { return multigrid_.levels.front().lattice(); }
 
   ConjugateGradientReport run(double tolerance) {
     MultigridLevel& level = multigrid_.levels.front();

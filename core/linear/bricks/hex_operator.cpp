@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "core/element/rotation.h"
 #include "core/linear/bricks/multigrid_kernel.h"
@@ -24,7 +25,7 @@ SweepFunction<T, S> sweep_function(const HexKernels& kernels, Epilogue epilogue)
 template <class T, class S>
 double run(const HexOperator& op, const HexMatrix<S>& matrix, Epilogue epilogue, Sweep<T, S> sweep) {
   assert(sweep.out != sweep.x);
-  sweep.bricks = op.lattice->bricks.data();
+  sweep.bricks = op.lattice.bricks.data();
   if constexpr (std::is_same_v<T, float>)
     sweep.constants = &op.float_constants;
   else
@@ -35,7 +36,7 @@ double run(const HexOperator& op, const HexMatrix<S>& matrix, Epilogue epilogue,
   sweep.frames = matrix.frames.data();
   sweep.diagonal = matrix.diagonal.data();
   const SweepFunction<T, S> function = sweep_function<T, S>(hex_kernels(op.instruction_set), epilogue);
-  return for_each_sweep_task(*op.lattice,
+  return for_each_sweep_task(op.lattice,
                              [&](const BrickRun* first, const BrickRun* last) { return function(sweep, first, last); });
 }
 
@@ -46,10 +47,10 @@ HexMatrix<S> make_hex_matrix(const BrickLattice& lattice) {
   return {AlignedArray<S>(lattice.num_slots() * frame_components), AlignedArray<S>(lattice.num_slots())};
 }
 
-HexOperator make_hex_operator(const BrickLattice& lattice, const HexShape& box, InstructionSet instruction_set) {
+HexOperator make_hex_operator(BrickLattice lattice, const HexShape& box, InstructionSet instruction_set) {
   assert(is_supported(instruction_set));
   const HexConstants<double> constants = make_hex_constants(box);
-  return {&lattice, constants, to_float(constants), instruction_set};
+  return {std::move(lattice), constants, to_float(constants), instruction_set};
 }
 
 template <class T, class S>
@@ -91,18 +92,18 @@ void force(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray
   sweep.x = positions.data();
   sweep.b = external.data();
   sweep.out = out.data();
-  for (int axis = 0; axis < 3; ++axis) sweep.rest[axis] = 4 * op.lattice->cell_size[axis];
+  for (int axis = 0; axis < 3; ++axis) sweep.rest[axis] = 4 * op.lattice.cell_size[axis];
   run(op, matrix, Epilogue::force, sweep);
 }
 
 void set_frames(const HexOperator& op, const AlignedArray<double>& positions, const AlignedArray<float>& stiffness,
                 HexMatrix<float>& matrix) {
-  std::vector<std::uint16_t> unresolved(op.lattice->bricks.size() * brick_lines, 0);
-  RotationSearch task{op.lattice->bricks.data(), positions.data(), stiffness.data(), {},
-                      matrix.frames.data(),      unresolved.data()};
-  for (int axis = 0; axis < 3; ++axis) task.quarter_over_size[axis] = 0.25 / op.lattice->cell_size[axis];
+  std::vector<std::uint16_t> unresolved(op.lattice.bricks.size() * brick_lines, 0);
+  RotationSearch task{op.lattice.bricks.data(), positions.data(), stiffness.data(), {},
+                      matrix.frames.data(),     unresolved.data()};
+  for (int axis = 0; axis < 3; ++axis) task.quarter_over_size[axis] = 0.25 / op.lattice.cell_size[axis];
   const MultigridKernels& kernels = multigrid_kernels(op.instruction_set);
-  for_each_column(*op.lattice, [&](int first, int last) {
+  for_each_column(op.lattice, [&](int first, int last) {
     kernels.find_rotations(task, first, last);
     return 0.0;
   });

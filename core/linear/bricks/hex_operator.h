@@ -24,13 +24,13 @@ HexMatrix<S> make_hex_matrix(const BrickLattice& lattice);
 
 /// Lattice, box constants and kernels: what does not change from step to step.
 struct HexOperator {
-  const BrickLattice* lattice = nullptr;
+  BrickLattice lattice;
   HexConstants<double> constants;
   HexConstants<float> float_constants;
   InstructionSet instruction_set = InstructionSet::portable;
 };
 
-HexOperator make_hex_operator(const BrickLattice& lattice, const HexShape& box,
+HexOperator make_hex_operator(BrickLattice lattice, const HexShape& box,
                               InstructionSet instruction_set = best_instruction_set());
 
 /// out = A x; returns x . A x.

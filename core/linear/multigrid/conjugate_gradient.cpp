@@ -12,7 +12,7 @@ constexpr double replacement = 1e-3;  // fall of the residual after which it is 
 double replace_residual(const MultigridLevel& level, const HexMatrix<double>* exact, const AlignedArray<double>& b,
                         ConjugateGradientWorkspace& workspace, AlignedArray<double>& x) {
   constexpr std::size_t brick_values = brick_slots * vector_components;
-  for_each_column(level.lattice, [&](int first, int last) {
+  for_each_column(level.lattice(), [&](int first, int last) {
     for (std::size_t i = first * brick_values; i < last * brick_values; ++i) {
       x[i] += double(workspace.step[i]);
       workspace.step[i] = 0;
@@ -26,7 +26,7 @@ double replace_residual(const MultigridLevel& level, const HexMatrix<double>* ex
 }  // namespace
 
 ConjugateGradientWorkspace make_workspace(const Multigrid& multigrid) {
-  const std::size_t size = multigrid.levels.front().lattice.num_slots() * vector_components;
+  const std::size_t size = multigrid.levels.front().lattice().num_slots() * vector_components;
   return {AlignedArray<float>(size), AlignedArray<float>(size), AlignedArray<float>(size)};
 }
 
@@ -37,7 +37,7 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
   const MultigridKernels& kernels = multigrid_kernels(level.op.instruction_set);
   auto& [step, r, p] = workspace;
   ConjugateGradientReport report;
-  const double wanted = options.tolerance * std::sqrt(dot(level.lattice, b, b));
+  const double wanted = options.tolerance * std::sqrt(dot(level.lattice(), b, b));
   std::fill(step.begin(), step.end(), 0.f);
   std::fill(x.begin(), x.end(), 0.0);
   std::transform(b.begin(), b.end(), r.begin(), [](double value) { return float(value); });
@@ -48,13 +48,13 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
     const AlignedArray<float>& z = precondition(multigrid, r, rz);
     const float beta = rz_before > 0 ? float(rz / rz_before) : 0.f;
     rz_before = rz;
-    for_each_column(level.lattice, [&](int first, int last) {
+    for_each_column(level.lattice(), [&](int first, int last) {
       kernels.turn(z.data(), beta, p.data(), first, last);
       return 0.0;
     });
     AlignedArray<float>& q = level.x[0];  // the preconditioner is done with it
     const float alpha = float(rz / apply(level.op, level.matrix, p, q));
-    const double norm = std::sqrt(for_each_column(level.lattice, [&](int first, int last) {
+    const double norm = std::sqrt(for_each_column(level.lattice(), [&](int first, int last) {
       return kernels.advance(p.data(), q.data(), alpha, step.data(), r.data(), first, last);
     }));
     if (norm <= std::max(wanted, replacement * true_norm)) true_norm = replace_residual(level, exact, b, workspace, x);

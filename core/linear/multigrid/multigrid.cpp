@@ -46,19 +46,19 @@ void connect(MultigridLevel& fine, const BrickLattice& coarse) {
   for (std::size_t b = 1; b < coarse.bricks.size(); ++b)
     for (int n = 0; n < 27; ++n) {
       const Vector3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-      fine.parents[b].fine[n] = find_brick(fine.lattice, place_of(coarse.bricks[b]).cwiseProduct(fine.factor) + step);
+      fine.parents[b].fine[n] = find_brick(fine.lattice(), place_of(coarse.bricks[b]).cwiseProduct(fine.factor) + step);
     }
-  fine.children.assign(fine.lattice.bricks.size(), {});
-  for (std::size_t b = 1; b < fine.lattice.bricks.size(); ++b) {
-    const Vector3i place = place_of(fine.lattice.bricks[b]), parent = place.cwiseQuotient(fine.factor);
+  fine.children.assign(fine.lattice().bricks.size(), {});
+  for (std::size_t b = 1; b < fine.lattice().bricks.size(); ++b) {
+    const Vector3i place = place_of(fine.lattice().bricks[b]), parent = place.cwiseQuotient(fine.factor);
     for (int axis = 0; axis < 3; ++axis) fine.children[b].half[axis] = place[axis] - parent[axis] * fine.factor[axis];
     for (int n = 0; n < 8; ++n) fine.children[b].coarse[n] = find_brick(coarse, parent + corner(n));
   }
 }
 
 void allocate(MultigridLevel& level, bool is_first) {
-  const std::size_t slots = level.lattice.num_slots();
-  level.matrix = make_hex_matrix<float>(level.lattice);
+  const std::size_t slots = level.lattice().num_slots();
+  level.matrix = make_hex_matrix<float>(level.lattice());
   level.inverse = AlignedArray<float>(slots * inverse_components);
   if (!is_first) level.b = AlignedArray<float>(slots * vector_components);
   for (AlignedArray<float>& x : level.x) x = AlignedArray<float>(slots * vector_components);
@@ -66,7 +66,7 @@ void allocate(MultigridLevel& level, bool is_first) {
 
 Transfer transfer_between(const MultigridLevel& fine, const MultigridLevel& coarse) {
   Transfer transfer{
-      coarse.lattice.bricks.data(), fine.lattice.bricks.data(), fine.parents.data(), fine.children.data(), {}};
+      coarse.lattice().bricks.data(), fine.lattice().bricks.data(), fine.parents.data(), fine.children.data(), {}};
   std::copy_n(fine.factor.data(), 3, transfer.factor);
   return transfer;
 }
@@ -88,14 +88,14 @@ using Restriction = void (*)(const Transfer&, const float* fine, float* coarse, 
 void restrict_to(const MultigridLevel& fine, const AlignedArray<float>& from, MultigridLevel& coarse,
                  AlignedArray<float>& to, Restriction restriction) {
   const Transfer transfer = transfer_between(fine, coarse);
-  run(coarse.lattice, [&](int first, int last) { restriction(transfer, from.data(), to.data(), first, last); });
+  run(coarse.lattice(), [&](int first, int last) { restriction(transfer, from.data(), to.data(), first, last); });
 }
 
 void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
-  std::vector<std::uint16_t> unresolved(coarse.lattice.bricks.size() * brick_lines, 0);
+  std::vector<std::uint16_t> unresolved(coarse.lattice().bricks.size() * brick_lines, 0);
   const FrameCoarsening task{transfer_between(fine, coarse), fine.matrix.frames.data(), coarse.matrix.frames.data(),
                              unresolved.data()};
-  run(coarse.lattice, [&](int first, int last) { kernels_of(fine).coarsen_frames(task, first, last); });
+  run(coarse.lattice(), [&](int first, int last) { kernels_of(fine).coarsen_frames(task, first, last); });
   resolve_frames(unresolved, coarse.matrix.frames);  // rotations that nearly cancel
 
   // masses, those of fixed nodes included; then which nodes are fixed
@@ -104,7 +104,7 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
     weights[slot] = std::abs(fine.matrix.diagonal[slot]);
   restrict_to(fine, weights, coarse, coarse.matrix.diagonal, kernels_of(fine).restrict_numbers);
   std::fill(weights.begin(), weights.end(), 0.f);
-  for (std::size_t b = 1; b < coarse.lattice.bricks.size(); ++b)
+  for (std::size_t b = 1; b < coarse.lattice().bricks.size(); ++b)
     for (int slot = 0; slot < brick_slots; ++slot) {
       const Vector3i at = place_in_brick(slot).cwiseProduct(fine.factor);
       const int parent = (at[0] / brick_edge + 1) * 9 + (at[1] / brick_edge + 1) * 3 + at[2] / brick_lanes + 1;
@@ -116,9 +116,9 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
 }
 
 void invert_blocks(MultigridLevel& level) {
-  const BlockInversion task{level.lattice.bricks.data(), &level.op.float_constants, level.matrix.frames.data(),
+  const BlockInversion task{level.lattice().bricks.data(), &level.op.float_constants, level.matrix.frames.data(),
                             level.matrix.diagonal.data(), level.inverse.data()};
-  run(level.lattice, [&](int first, int last) { kernels_of(level).invert_blocks(task, first, last); });
+  run(level.lattice(), [&](int first, int last) { kernels_of(level).invert_blocks(task, first, last); });
 }
 
 // calls visit(slot) for the set bits of masks
@@ -131,13 +131,13 @@ void for_each_set(const std::vector<std::uint16_t>& masks, const Visit& visit) {
 
 // the last level's matrix, unknowns in the order of dense_slots; fixed nodes are ones
 MatrixXd assemble(const MultigridLevel& level, const std::vector<int>& slots) {
-  std::vector<int> index(level.lattice.num_slots(), -1);
+  std::vector<int> index(level.lattice().num_slots(), -1);
   for (std::size_t i = 0; i < slots.size(); ++i) index[slots[i]] = int(i);
   MatrixXd A = MatrixXd::Zero(3 * Eigen::Index(slots.size()), 3 * Eigen::Index(slots.size()));
   for (std::size_t i = 0; i < slots.size(); ++i)
     A.diagonal().segment<3>(3 * Eigen::Index(i)).setConstant(double(level.matrix.diagonal[slots[i]]));
-  for_each_set(level.lattice.cell_masks, [&](int cell) {
-    std::array<int, 8> places = corner_slots(level.lattice, cell);
+  for_each_set(level.lattice().cell_masks, [&](int cell) {
+    std::array<int, 8> places = corner_slots(level.lattice(), cell);
     for (int& place : places) place = index[place];
     add_turned_stiffness(frame_at(level.matrix.frames, cell), level.shape.stiffness, places, places, A);
   });
@@ -203,7 +203,7 @@ AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>
 }
 
 void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain) {
-  run(level.lattice, [&](int first, int last) {
+  run(level.lattice(), [&](int first, int last) {
     kernels_of(level).block_jacobi(level.inverse.data(), b.data(), gain, level.x[0].data(), first, last);
   });
 }
@@ -217,7 +217,7 @@ void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArr
 void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& correction, int current) {
   MultigridLevel& level = multigrid.levels[depth];
   const Transfer transfer = transfer_between(level, multigrid.levels[depth + 1]);
-  run(level.lattice, [&](int first, int last) {
+  run(level.lattice(), [&](int first, int last) {
     kernels_of(level).prolong(transfer, correction.data(), level.matrix.diagonal.data(), level.x[current].data(), first,
                               last);
   });
@@ -226,29 +226,28 @@ void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>&
 Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOptions& options) {
   Multigrid multigrid;
   multigrid.local_contrast = options.local_contrast;
-  multigrid.levels.emplace_back().lattice = std::move(lattice);
+  const auto add_level = [&](BrickLattice bricks) {
+    MultigridLevel& level = multigrid.levels.emplace_back();
+    level.shape = make_box_shape(bricks.cell_size, poisson);
+    level.op = make_hex_operator(std::move(bricks), level.shape, options.instruction_set);
+    level.steps = chebyshev_steps(largest_jacobi_eigenvalue(level.shape), options.degree);
+  };
+  add_level(std::move(lattice));
   const Eigen::Index largest_dense =
-      std::clamp(multigrid.levels.front().lattice.num_nodes / nodes_per_dense, least_dense, most_dense);
-  while (multigrid.levels.back().lattice.num_nodes > largest_dense) {
+      std::clamp(multigrid.levels.front().lattice().num_nodes / nodes_per_dense, least_dense, most_dense);
+  while (multigrid.levels.back().lattice().num_nodes > largest_dense) {
     MultigridLevel& fine = multigrid.levels.back();
-    fine.factor = coarsening_factor(fine.lattice.cell_size);
-    BrickLattice coarse = coarsen(fine.lattice, fine.factor);
+    fine.factor = coarsening_factor(fine.lattice().cell_size);
+    BrickLattice coarse = coarsen(fine.lattice(), fine.factor);
     const bool isotropic = fine.factor == Vector3i::Constant(2);
-    if (isotropic && double(coarse.num_nodes) > stalled * double(fine.lattice.num_nodes)) break;
+    if (isotropic && double(coarse.num_nodes) > stalled * double(fine.lattice().num_nodes)) break;
     connect(fine, coarse);
-    multigrid.levels.emplace_back().lattice = std::move(coarse);
+    add_level(std::move(coarse));
   }
-  const BrickLattice& last = multigrid.levels.back().lattice;
+  const BrickLattice& last = multigrid.levels.back().lattice();
   multigrid.has_dense = last.num_nodes <= std::max(largest_dense, largest_stalled_dense);
   if (multigrid.has_dense) for_each_set(last.node_masks, [&](int slot) { multigrid.dense_slots.push_back(slot); });
-
-  // operators keep the lattices' addresses: the list of levels must be complete
-  for (MultigridLevel& level : multigrid.levels) {
-    level.shape = make_box_shape(level.lattice.cell_size, poisson);
-    level.op = make_hex_operator(level.lattice, level.shape, options.instruction_set);
-    level.steps = chebyshev_steps(largest_jacobi_eigenvalue(level.shape), options.degree);
-    allocate(level, &level == &multigrid.levels.front());
-  }
+  for (MultigridLevel& level : multigrid.levels) allocate(level, &level == &multigrid.levels.front());
   return multigrid;
 }
 
@@ -260,7 +259,7 @@ void set_up(Multigrid& multigrid) {
   const MultigridLevel& finest = multigrid.levels.front();
   if (multigrid.levels.size() > 1)
     multigrid.stiff_cells = find_stiff_cells(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast,
-                                             Eigen::Index(stored_rows * double(finest.lattice.num_nodes)));
+                                             Eigen::Index(stored_rows * double(finest.lattice().num_nodes)));
   const StiffCells& stiff = multigrid.stiff_cells;
   if (!stiff.nodes.empty() && multigrid.rest.size() == 0) multigrid.rest = AlignedArray<float>(finest.x[0].size());
   if (!stiff.nodes.empty() && stiff.rows.empty() && multigrid.corrected.size() == 0)
@@ -273,12 +272,12 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray
   const StiffCells& stiff = multigrid.stiff_cells;
   if (stiff.nodes.empty()) {
     const AlignedArray<float>& z = cycle(multigrid, 0, r, product);
-    if (multigrid.levels.size() == 1) product = dot(level.lattice, r, z);
+    if (multigrid.levels.size() == 1) product = dot(level.lattice(), r, z);
     return z;
   }
   // local solves, V-cycle, local solves, each on what the one before has left: symmetric
   if (!stiff.rows.empty()) {
-    copy(level.lattice, r, multigrid.rest);
+    copy(level.lattice(), r, multigrid.rest);
     const std::vector<StiffCells::Vector24f> before = correct_before(stiff, r, multigrid.rest);
     AlignedArray<float>& z = cycle(multigrid, 0, multigrid.rest, product);
     product += correct_after(stiff, r, before, z);
@@ -289,10 +288,11 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray
   add_corrections(stiff, r, z);
   residual(level.op, level.matrix, r, z, multigrid.rest);
   const AlignedArray<float>& correction = cycle(multigrid, 0, multigrid.rest, product);
-  run(level.lattice, [&](int first, int last) { kernels_of(level).turn(correction.data(), 1, z.data(), first, last); });
+  run(level.lattice(),
+      [&](int first, int last) { kernels_of(level).turn(correction.data(), 1, z.data(), first, last); });
   residual(level.op, level.matrix, r, z, multigrid.rest);
   add_corrections(stiff, multigrid.rest, z);
-  product = dot(level.lattice, r, z);
+  product = dot(level.lattice(), r, z);
   return z;
 }
 
@@ -301,7 +301,7 @@ std::size_t memory(const Multigrid& multigrid) {
   for (const MultigridLevel& level : multigrid.levels) {
     bytes += sizeof(float) * (level.matrix.frames.size() + level.matrix.diagonal.size() + level.inverse.size() +
                               level.b.size() + level.x[0].size() + level.x[1].size());
-    bytes += sizeof(Brick) * level.lattice.bricks.size() + 4 * level.lattice.cell_masks.size() +
+    bytes += sizeof(Brick) * level.lattice().bricks.size() + 4 * level.lattice().cell_masks.size() +
              sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
   }
   bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +

@@ -24,9 +24,8 @@ struct MultigridOptions {
 };
 
 struct MultigridLevel {
-  BrickLattice lattice;
   HexShape shape;
-  HexOperator op;
+  HexOperator op;  // with the lattice
   HexMatrix<float> matrix;
   AlignedArray<float> inverse;  // D^-1
   AlignedArray<float> b;        // right-hand side; none on the first level
@@ -35,6 +34,8 @@ struct MultigridLevel {
   Vector3i factor{2, 2, 2};             // to the next level
   std::vector<BrickParents> parents;    // of the next level's bricks
   std::vector<BrickChildren> children;  // of this level's bricks
+
+  const BrickLattice& lattice() const { return op.lattice; }
 };
 
 struct Multigrid {

@@ -157,7 +157,7 @@ StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const Ali
 
 StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matrix, const Matrix24d& stiffness,
                             double contrast, Eigen::Index most_rows) {
-  const BrickLattice& lattice = *op.lattice;
+  const BrickLattice& lattice = op.lattice;
   const std::vector<int> chosen = choose(lattice, stiffnesses(lattice, matrix), contrast);
   StiffCells cells;
   cells.nodes.resize(chosen.size());

@@ -135,7 +135,7 @@ double advance(const BrickLattice& lattice, double weight, const std::vector<con
 }  // namespace
 
 SaddlePoint make_saddle_point(const Multigrid& multigrid) {
-  const std::size_t size = multigrid.levels.front().lattice.num_slots() * vector_components;
+  const std::size_t size = multigrid.levels.front().lattice().num_slots() * vector_components;
   SaddlePoint point;
   for (AlignedArray<float>* v : {&point.x, &point.residual}) *v = AlignedArray<float>(size);
   for (Direction& d : point.directions) {
@@ -157,7 +157,7 @@ void begin(const VectorXd& c, SaddlePoint& point) {
 SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const SaddlePointOptions& options,
                         SaddlePoint& point) {
   MultigridLevel& level = multigrid.levels.front();
-  const BrickLattice& lattice = level.lattice;
+  const BrickLattice& lattice = level.lattice();
   const HexTerms& terms = coupled.levels.front().terms;
   const double weight = coupled.weight;
   if (!point.pushed && point.error <= options.tolerance) return {0, point.error, point.error};

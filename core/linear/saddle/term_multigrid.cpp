@@ -47,7 +47,7 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
     const auto end = std::find_if(first, order.end(), [&](const auto& entry) { return entry.first != first->first; });
     HexTerms::Hex hex;
     hex.cell = parent(first->second);
-    for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice, hex.cell + corner(n));
+    for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice(), hex.cell + corner(n));
     int richest = 0;
     for (auto at = first; at != end; ++at) richest = std::max(richest, hexes[at->second].end - hexes[at->second].first);
     hex.first = int(terms.vectors.size());
@@ -73,7 +73,7 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
     terms.hexes.push_back(hex);
     first = end;
   }
-  sort_by_nodes(coarse_grid.lattice.num_slots(), terms);
+  sort_by_nodes(coarse_grid.lattice().num_slots(), terms);
   coarse.own = Eigen::Map<const VectorXf>(own.data(), Eigen::Index(own.size()));
   return coarse;
 }
@@ -195,7 +195,7 @@ AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::si
 
 void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) {
   const MultigridLevel& finest = multigrid.levels.front();
-  for (HexTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice.first_cell;
+  for (HexTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice().first_cell;
   coupled.levels.clear();
   coupled.levels.emplace_back().terms = std::move(terms);
   const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
@@ -225,7 +225,7 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, TermMultigrid& cou
     y.resize(0);
     return precondition(multigrid, r, product);
   }
-  copy(multigrid.levels.front().lattice, r, coupled.rest);
+  copy(multigrid.levels.front().lattice(), r, coupled.rest);
   VectorXf of_terms;
   const AlignedArray<float>& x = cycle(multigrid, coupled, 0, coupled.rest, q.cast<float>(), of_terms);
   y = of_terms.cast<double>();
