@@ -94,7 +94,8 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   const bool own_limit_gradients = solver.energy != EnergyMeasure::true_energy ||
                                    solver.jacobian != LimitJacobian::exact || !model.limit_forms.empty();
   const bool damped = !problem.rotations_t0.empty();
-  evaluation.hexes.resize(problem.is_assembled ? model.num_hexes() : 0);
+  const bool is_assembled = !problem.plan.is_multigrid();
+  evaluation.hexes.resize(is_assembled ? model.num_hexes() : 0);
   evaluation.elastic.resize(24, model.num_hexes());
   evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
   evaluation.limit.resize(24, own_limit_gradients ? problem.limits.size() : 0);
@@ -117,7 +118,7 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
         evaluation.damping.col(e) =
             problem.damping_stiffness[e] * warped_product(shape.stiffness, young, problem.rotations_t0[e], velocity);
       }
-      if (problem.is_assembled) evaluation.hexes[e] = hex;
+      if (is_assembled) evaluation.hexes[e] = hex;
     }
   });
   evaluation.internal = gather(model, evaluation.elastic);

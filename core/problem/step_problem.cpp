@@ -34,9 +34,10 @@ StepProblem materials_at(const Model& model, const StepOptions& options, double 
   return problem;
 }
 
-StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
-                       const State& state) {
+StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
+                       const ContactGeometry& geometry, const State& state) {
   StepProblem problem = materials_at(model, options, state.time + options.time_step);
+  problem.plan = plan;
   problem.h = options.time_step;
   problem.joining_share *= std::min(1.0, options.solver.tolerance / SolverOptions{}.tolerance);
   problem.positions_t0 = state.positions;

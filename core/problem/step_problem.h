@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "core/linear/direct/system_matrix.h"
-#include "core/problem/step_options.h"
+#include "core/problem/linear_plan.h"
 
 namespace umax {
 
@@ -13,6 +12,7 @@ namespace umax {
 struct StepProblem {
   const Model* model = nullptr;
   const StepOptions* options = nullptr;
+  LinearPlan plan;
   double h = 0;                        // [s]
   Points positions_t0;                 // #N x 3 [m]
   Points velocities_t0;                // #N x 3 [m/s]
@@ -26,15 +26,14 @@ struct StepProblem {
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
   double joining_share = 0.5;
   bool last_attempt = true;  // a step that does not converge is not halved
-  bool is_assembled = true;  // its matrix is, from the hexes' states
 };
 
 /// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.
 StepProblem materials_at(const Model& model, const StepOptions& options, double time);
 
 /// What the step from the state to one time step later solves.
-StepProblem begin_step(const Model& model, const StepOptions& options, const ContactGeometry& geometry,
-                       const State& state);
+StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
+                       const ContactGeometry& geometry, const State& state);
 
 /// Node by node (x, y, z) as one vector of 3 #N, and back.
 VectorXd flatten(const Points& points);

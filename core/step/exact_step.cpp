@@ -139,7 +139,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
                           StepReport& report) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
-  const bool multigrid = uses_multigrid(model, solver);
+  const bool multigrid = problem.plan.is_multigrid();
   // what comes after failure is dearer without a factor, dearest where little was missing
   const int most = multigrid ? 2 * solver.max_newton_iterations : solver.max_newton_iterations;
   const int most_near = multigrid ? 3 * solver.max_newton_iterations : most;
@@ -188,7 +188,7 @@ bool sequential_quadratic(const StepProblem& problem, Workspace::Data& workspace
 StepStatus solve(const StepProblem& problem, Workspace::Data& workspace, const State& state, Iterate& iterate,
                  StepReport& report) {
   iterate = predict(problem, state);
-  const bool multigrid = uses_multigrid(*problem.model, problem.options->solver);
+  const bool multigrid = problem.plan.is_multigrid();
   if (!multigrid) eliminate_last(*problem.model, nodes_near_obstacles(problem, iterate), workspace);
   if (sequential_quadratic(problem, workspace, iterate, report)) return StepStatus::converged;
   // without a factor to fall back on, two halves of the step are cheaper than the safety net

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/error.h"
 #include "core/base/parallel.h"
 
 namespace umax {
@@ -104,31 +103,10 @@ void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridS
   }
 }
 
-// what stands against multigrids; empty: nothing
-ErrorText multigrid_obstacle(const Model& model, const SolverOptions& solver) {
-  const std::string direct = "or leave solver.linear out";
-  for (const Model::BodyRange& body : model.bodies)
-    if (body.cells.rows() == 0)
-      return {"body." + body.name + ".cage", "is no regular lattice, which multigrid needs", "",
-              "use a cage of cells, " + direct};
-  if (solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact)
-    return {"solver.energy, solver.jacobian", "are the paper's, which multigrid does not know", "",
-            "leave them out, " + direct};
-  if (solver.rotation != RotationEstimate::centre)
-    return {"solver.rotation", "is not the centre's, which multigrid needs", "", "leave it out, " + direct};
-  return {};
-}
-
 }  // namespace
 
-bool suits_multigrid(const Model& model, const SolverOptions& solver) {
-  return solver.method == SolverMethod::exact && multigrid_obstacle(model, solver).where.empty();
-}
-
-void require_solvable(const Model& model, const SolverOptions& solver) {
-  if (solver.method != SolverMethod::exact || solver.linear != LinearSolver::multigrid) return;
-  const ErrorText obstacle = multigrid_obstacle(model, solver);
-  if (!obstacle.where.empty()) throw Error(ExitCode::bad_data, obstacle);
+double multigrid_slots(const Cells& cells) {
+  return cells.rows() > 0 ? double(make_brick_lattice(cells, Vector3d::Ones()).num_slots()) : 0;
 }
 
 MultigridSystem make_multigrid_system(const Model& model) {

@@ -27,11 +27,8 @@ struct MultigridSystem {
   VectorXd offset_force;  // 3 #N [N] sum of g offset
 };
 
-/// Can the exact step of such a model be solved on multigrids: regular lattices, energy and rotation the true ones?
-bool suits_multigrid(const Model& model, const SolverOptions& solver);
-
-/// Throws Error (bad_data) that names what stands against it where solver.linear is multigrid and does not suit.
-void require_solvable(const Model& model, const SolverOptions& solver);
+/// Slots of the bricks that hold a body of these cells (0 for an irregular one): what the system's memory grows with.
+double multigrid_slots(const Cells& cells);
 
 MultigridSystem make_multigrid_system(const Model& model);
 

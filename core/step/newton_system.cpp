@@ -8,8 +8,7 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
-constexpr double negligible_direction = 1e-9;   // share of a contact's stiffness
+constexpr double negligible_direction = 1e-9;  // share of a contact's stiffness
 constexpr Eigen::Index nodes_per_block = 512;
 
 enum class Elasticity {
@@ -122,11 +121,6 @@ HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const Lim
 
 }  // namespace
 
-bool uses_multigrid(const Model& model, const SolverOptions& solver) {
-  if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
-  return model.num_hexes() >= multigrid_hexes && suits_multigrid(model, solver);
-}
-
 void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
                       Workspace::Data& workspace) {
   const Model& model = *problem.model;
@@ -154,7 +148,7 @@ NewtonStep multigrid_step(const Model& model, const Linearisation& at, const Mul
 
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
-  if (uses_multigrid(*problem.model, problem.options->solver)) {
+  if (problem.plan.is_multigrid()) {
     set_up_multigrid(problem, at, iterate, workspace);
     begin(*problem.model, workspace.multigrid->offset_force - slope, *workspace.multigrid);
     report.linear_iterations += improve({.tolerance = accuracy}, *workspace.multigrid).iterations;

@@ -36,12 +36,9 @@ struct NewtonStep {
 /// The solution of the system that set_up_multigrid() saw, as far as it is solved.
 NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system);
 
-/// -A^-1 slope with the linear solver that is chosen for the model. Work is added to the report.
+/// -A^-1 slope with the linear solver that is planned for the model. Work is added to the report.
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report);
-
-/// Is solver.linear multigrid, or is that faster for the model?
-bool uses_multigrid(const Model& model, const SolverOptions& solver);
 
 /// Gradient [N] of inertia, damping, elasticity, gravity, limits and contacts: 3 #N, fixed nodes zero.
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at);

@@ -7,7 +7,6 @@
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
 #include "core/step/exact_step.h"
-#include "core/step/newton_system.h"
 #include "core/step/paper_step.h"
 #include "core/step/workspace.h"
 
@@ -52,12 +51,12 @@ StepReport joined(const StepReport& first, const StepReport& second) {
 }
 
 // one solve over options.time_step; where it does not converge, two of half the size, and so on
-StepReport advance(const Model& model, const StepOptions& options, Workspace::Data& data, State& state, int halvings) {
+StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
+                   State& state, int halvings) {
   const State start = state;
-  StepProblem problem = begin_step(model, options, data.contact_geometry, state);
+  StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);
   const bool exact = options.solver.method == SolverMethod::exact;
   problem.last_attempt = halvings == 0 || !start.been_feasible;
-  problem.is_assembled = !exact || !uses_multigrid(model, options.solver);
   StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
   const bool retry = exact && report.status == StepStatus::iteration_limit && !problem.last_attempt;
@@ -71,8 +70,8 @@ StepReport advance(const Model& model, const StepOptions& options, Workspace::Da
   failed.sqp_iterations = report.sqp_iterations;
   failed.factorisations = report.factorisations;
   failed.linear_iterations = report.linear_iterations;
-  const StepReport first = advance(model, half, data, state, halvings - 1);
-  const StepReport second = advance(model, half, data, state, halvings - 1);
+  const StepReport first = advance(model, half, plan, data, state, halvings - 1);
+  const StepReport second = advance(model, half, plan, data, state, halvings - 1);
   return joined(joined(failed, first), second);
 }
 
@@ -97,9 +96,10 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
-  require_solvable(model, options.solver);
+  const LinearPlan plan = plan_linear_solvers(model, options.solver);
+  require_solvable(plan, options.solver);
   State next = state;
-  StepReport report = advance(model, options, workspace.data(), next, options.solver.max_halvings);
+  StepReport report = advance(model, options, plan, workspace.data(), next, options.solver.max_halvings);
   next.time = state.time + options.time_step;
   ++next.step;
   measure_into(model, options, workspace.data().contact_geometry, next, report);

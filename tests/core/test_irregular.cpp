@@ -32,7 +32,9 @@ bool is_inner(const Body& body, Eigen::Index node) {
 Evaluation evaluate_at(const Model& model, const Points& positions) {
   const StepOptions options;
   Evaluation evaluation;
-  evaluate(begin_step(model, options, make_contact_geometry(model), rest_state(model)), positions, evaluation);
+  evaluate(begin_step(model, options, plan_linear_solvers(model, options.solver), make_contact_geometry(model),
+                      rest_state(model)),
+           positions, evaluation);
   return evaluation;
 }
 

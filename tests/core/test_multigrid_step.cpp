@@ -127,7 +127,7 @@ struct Impact {
   State state = run(model, LinearSolver::direct, 8).state;
   StepOptions options{.time_step = 0.01};
   ContactGeometry geometry = make_contact_geometry(model);
-  StepProblem problem = begin_step(model, options, geometry, state);
+  StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
   Iterate iterate = predict(problem, state);
   Linearisation at;
   StepReport report;
@@ -189,7 +189,7 @@ TEST_CASE("contacts that all miss a little of their forces do not let a body sin
   const StepOptions options{.time_step = 0.01};
   State state = run(model, LinearSolver::direct, 10).state;  // rests, and is then pushed
   state.velocities.col(1).array() -= sunk / options.time_step;
-  const StepProblem problem = begin_step(model, options, geometry, state);
+  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
   Iterate iterate = predict(problem, state);
   evaluate(problem, iterate.positions, iterate.evaluation);
   update_contacts(problem.contact, iterate.positions, iterate.contacts);
@@ -219,7 +219,7 @@ TEST_CASE("where forces are in balance and constraints hold a step on multigrids
     const StepOptions options{.time_step = 0.01};
     State state = rest_state(model);
     state.velocities(0, 0) = 1e-3;  // is not where the predictor leaves it
-    const StepProblem problem = begin_step(model, options, geometry, state);
+    const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
     Iterate iterate = predict(problem, state);
     evaluate(problem, iterate.positions, iterate.evaluation);
     Workspace::Data workspace;
@@ -238,7 +238,7 @@ TEST_CASE("where no matrix is assembled hexes are evaluated alike, and nothing m
   Impact impact;
   const Evaluation& with = impact.iterate.evaluation;
   REQUIRE(with.hexes.size() == std::size_t(impact.model.num_hexes()));
-  impact.problem.is_assembled = false;
+  impact.problem.plan.bodies = {LinearBackend::multigrid};
   Evaluation without;
   evaluate(impact.problem, impact.iterate.positions, without);
   CHECK(without.hexes.empty());
@@ -302,7 +302,7 @@ TEST_CASE("what multigrids cannot solve is refused by name, and left to the dire
   const Body body = test::turned(test::make_beam(), rotation_from_degrees({10, 0, 0}));
   const Model model = make_model({body}, {});
   StepOptions options;
-  CHECK_FALSE(suits_multigrid(model, options.solver));
+  CHECK(plan_linear_solvers(model, options.solver).against_multigrid);
   State state = rest_state(model);
   Workspace workspace(model);
   CHECK(step(model, options, workspace, state).status == StepStatus::converged);
@@ -310,7 +310,7 @@ TEST_CASE("what multigrids cannot solve is refused by name, and left to the dire
   const test::Failure failure = test::failure_of([&] { step(model, options, workspace, state); });
   CHECK(test::contains(failure.message, "no regular lattice"));
   options.solver.method = SolverMethod::paper;  // has linear systems of its own
-  CHECK_NOTHROW(require_solvable(model, options.solver));
+  CHECK_NOTHROW(require_solvable(plan_linear_solvers(model, options.solver), options.solver));
 }
 
 TEST_CASE("on multigrids too a crumpled start finds its shape, by the safety net") {

@@ -50,7 +50,7 @@ MultigridSystem system_at_rest(const Model& model, const std::vector<HexTerm>& t
   const StepOptions options;
   const State state = rest_state(model);
   const ContactGeometry geometry = make_contact_geometry(model);
-  const StepProblem problem = begin_step(model, options, geometry, state);
+  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
   MultigridSystem system = make_multigrid_system(model);
   set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
   return system;

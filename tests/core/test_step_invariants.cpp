@@ -166,7 +166,7 @@ TEST_CASE("stiffness damping exerts no force in translation, nor as the undeform
   const StepOptions options = options_for(SolverMethod::exact, 0.01);
   const ContactGeometry geometry = make_contact_geometry(model);
   const auto largest_force = [&](const State& state) {
-    const StepProblem problem = begin_step(model, options, geometry, state);
+    const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
     Evaluation evaluation;
     evaluate(problem, state.positions + problem.h * state.velocities, evaluation);
     REQUIRE(evaluation.damping.cols() == model.num_hexes());

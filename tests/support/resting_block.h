@@ -16,7 +16,7 @@ struct Resting {
   StepOptions options;
   State state = rest_state(model);
   ContactGeometry geometry = make_contact_geometry(model);
-  StepProblem problem = begin_step(model, options, geometry, state);
+  StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
   std::vector<Contact> contacts;
   MultigridSystem system = make_multigrid_system(model);
 

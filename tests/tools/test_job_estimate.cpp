@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/step/newton_system.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"

@@ -1,7 +1,7 @@
 // Cages that are hard on a linear solver, from scenes: both solvers make the same steps of them.
 #include <algorithm>
 
-#include "core/step/multigrid_system.h"
+#include "core/problem/linear_plan.h"
 #include "scenes/builtin_scenes.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
@@ -126,7 +126,7 @@ TEST_CASE("both linear solvers end at the same step in the built-in scenes, but 
     if (scene.name == "armadillo") overrides.push_back({"body.armadillo.shape", "figure"});
     Simulation simulation = set_up(parse_scene({.text = std::string(scene.text)}, overrides));
     simulation.options.solver.linear = LinearSolver::direct;
-    if (!suits_multigrid(simulation.model, simulation.options.solver)) continue;
+    if (plan_linear_solvers(simulation.model, simulation.options.solver).against_multigrid) continue;
     Workspace workspace(simulation.model);
     State state = rest_state(simulation.model);
     // to a state in which something is active, if that comes within a second

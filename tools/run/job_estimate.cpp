@@ -8,9 +8,8 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/linear/bricks/brick_lattice.h"
+#include "core/problem/linear_plan.h"
 #include "core/step/multigrid_system.h"
-#include "core/step/newton_system.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/progress.h"
 
@@ -46,10 +45,6 @@ double factor_memory(const BodySize& body) {
   return factor_bytes * std::pow(body.nodes, 4.0 / 3);
 }
 
-double slots_of(const Cells& cells, const Vector3d& cell_size) {
-  return cells.rows() > 0 ? double(make_brick_lattice(cells, cell_size).num_slots()) : 0;
-}
-
 double nodes_of_compact(double hexes) {
   const double edge = std::cbrt(hexes) + 1;
   return edge * edge * edge;
@@ -74,13 +69,14 @@ double hexes_told(const BodyDescription& body) {
   return 0;
 }
 
-bool may_multigrid(const Scene& scene) {
-  const SolverOptions& solver = scene.solver;
-  const bool regular = std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const BodyDescription& body) {
-    return body.brings_its_hexes() || std::holds_alternative<MeshSource>(body.cage.size);
-  });
-  return regular && solver.method == SolverMethod::exact && solver.energy == EnergyMeasure::true_energy &&
-         solver.jacobian == LimitJacobian::exact && solver.rotation == RotationEstimate::centre;
+/// Is the body's cage made of cells of one grid?
+bool is_regular(const BodyDescription& body) {
+  return !body.brings_its_hexes() && !std::holds_alternative<MeshSource>(body.cage.size);
+}
+
+void set_solver(const LinearPlan& plan, JobSize& size) {
+  size.multigrid = plan.is_multigrid();
+  size.may_multigrid = !plan.against_multigrid;
 }
 
 JobSize with_multigrid(JobSize size) {
@@ -151,13 +147,16 @@ const char* solver_name(const JobSize& size) {
 
 JobSize size_of(const Scene& scene) {
   JobSize size;
-  size.may_multigrid = may_multigrid(scene);
-  size.multigrid = size.may_multigrid && scene.solver.linear != LinearSolver::direct;
+  std::vector<LinearTraits> traits;
   for (const BodyDescription& body : scene.bodies) {
     const double hexes = hexes_told(body);
     const double nodes = hexes > 0 ? nodes_of_compact(hexes) : 0;
     size.bodies.push_back({.name = body.name, .hexes = hexes, .nodes = nodes, .slots = slots_per_node * nodes});
+    traits.push_back({.name = body.name, .hexes = hexes, .is_regular = is_regular(body)});
   }
+  SolverOptions solver = scene.solver;
+  if (solver.linear == LinearSolver::automatic) solver.linear = LinearSolver::multigrid;  // where it can, it needs less
+  set_solver(plan_linear_solvers(traits, solver), size);
   return size;
 }
 
@@ -167,7 +166,7 @@ JobSize size_of(const Scene& scene, const std::vector<BodySetup>& caged) {
     size.bodies[i] = {.name = caged[i].name,
                       .hexes = double(caged[i].lattice.num_hexes()),
                       .nodes = double(caged[i].lattice.num_nodes()),
-                      .slots = slots_of(caged[i].lattice.cells, caged[i].lattice.cell_size),
+                      .slots = multigrid_slots(caged[i].lattice.cells),
                       .vertices = double(caged[i].shape.mesh.num_vertices()),
                       .irregular = !caged[i].lattice.is_regular()};
   return size;
@@ -175,13 +174,12 @@ JobSize size_of(const Scene& scene, const std::vector<BodySetup>& caged) {
 
 JobSize size_of(const Simulation& simulation) {
   JobSize size;
-  size.may_multigrid = suits_multigrid(simulation.model, simulation.options.solver);
-  size.multigrid = uses_multigrid(simulation.model, simulation.options.solver);
+  set_solver(plan_linear_solvers(simulation.model, simulation.options.solver), size);
   for (const Model::BodyRange& body : simulation.model.bodies)
     size.bodies.push_back({.name = body.name,
                            .hexes = double(body.num_hexes),
                            .nodes = double(body.num_nodes),
-                           .slots = slots_of(body.cells, body.cell_edges),
+                           .slots = multigrid_slots(body.cells),
                            .vertices = double(body.num_points),
                            .irregular = body.cells.rows() == 0});
   return size;

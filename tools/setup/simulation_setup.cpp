@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/model/hex_limits.h"
-#include "core/step/multigrid_system.h"
+#include "core/problem/linear_plan.h"
 #include "embedding/cage/hex_cage.h"
 #include "embedding/figure/figure.h"
 #include "embedding/mesh_files/mesh_io.h"
@@ -313,7 +313,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   }
   simulation.model = make_model(bodies, obstacles);
   require_measurable(simulation.model, scene.solver.energy);
-  require_solvable(simulation.model, scene.solver);
+  require_solvable(plan_linear_solvers(simulation.model, scene.solver), scene.solver);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
     simulation.bodies[i].first_node = simulation.model.bodies[i].first_node;
     simulation.bodies[i].first_hex = simulation.model.bodies[i].first_hex;

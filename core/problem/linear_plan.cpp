@@ -1,0 +1,52 @@
+#include "core/problem/linear_plan.h"
+
+namespace umax {
+namespace {
+
+constexpr double multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
+
+std::optional<ErrorText> multigrid_obstacle(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
+  const std::string direct = "or leave solver.linear out";
+  if (solver.method != SolverMethod::exact)
+    return ErrorText{"solver.method", "is the paper's, which has linear systems of its own", "", "leave it out"};
+  for (const LinearTraits& body : bodies)
+    if (!body.is_regular)
+      return ErrorText{"body." + body.name + ".cage", "is no regular lattice, which multigrid needs", "",
+                       "use a cage of cells, " + direct};
+  if (solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact)
+    return ErrorText{"solver.energy, solver.jacobian", "are the paper's, which multigrid does not know", "",
+                     "leave them out, " + direct};
+  if (solver.rotation != RotationEstimate::centre)
+    return ErrorText{"solver.rotation", "is not the centre's, which multigrid needs", "", "leave it out, " + direct};
+  return std::nullopt;
+}
+
+bool wants_multigrid(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
+  if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
+  double hexes = 0;
+  for (const LinearTraits& body : bodies) hexes += body.hexes;
+  return hexes >= multigrid_hexes;
+}
+
+}  // namespace
+
+LinearPlan plan_linear_solvers(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
+  LinearPlan plan{.bodies = {}, .against_multigrid = multigrid_obstacle(bodies, solver)};
+  const bool multigrid = !plan.against_multigrid && wants_multigrid(bodies, solver);
+  plan.bodies.assign(bodies.size(), multigrid ? LinearBackend::multigrid : LinearBackend::direct);
+  return plan;
+}
+
+LinearPlan plan_linear_solvers(const Model& model, const SolverOptions& solver) {
+  std::vector<LinearTraits> bodies;
+  for (const Model::BodyRange& body : model.bodies)
+    bodies.push_back({.name = body.name, .hexes = double(body.num_hexes), .is_regular = body.cells.rows() > 0});
+  return plan_linear_solvers(bodies, solver);
+}
+
+void require_solvable(const LinearPlan& plan, const SolverOptions& solver) {
+  if (solver.method != SolverMethod::exact || solver.linear != LinearSolver::multigrid) return;
+  if (plan.against_multigrid) throw Error(ExitCode::bad_data, *plan.against_multigrid);
+}
+
+}  // namespace umax
