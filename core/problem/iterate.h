@@ -22,7 +22,7 @@ struct Iterate {
   std::vector<Contact> contacts;  // working set, impulses in N s
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
-  double kkt_fall = 1;            // [-] of the residual in the last iteration
+  std::vector<double> residuals;  // [-] KKT, of the iterates so far and of this one as soon as it is assessed
   bool indefinite = false;        // the exact Hessian was not positive definite at one of the last iterations
 };
 

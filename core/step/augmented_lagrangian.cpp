@@ -66,27 +66,33 @@ bool descend(const StepProblem& problem, const VectorXd& step, double promised, 
   return false;
 }
 
-// Newton's method on L with the multipliers held; false if it ran out of iterations
-bool minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
-              StepReport& report) {
-  for (int i = 0; i < std::min(budget, max_inner_iterations); ++i) {
+struct Minimisation {
+  bool settled = false;  // as low as the multipliers are worth
+  int iterations = 0;
+};
+
+// Newton's method on L with the multipliers held
+Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, int budget, Iterate& iterate,
+                      StepReport& report) {
+  const int most = std::min(budget, max_inner_iterations);
+  for (int i = 0; i < most; ++i) {
     const Linearisation at = linearise(problem, iterate);
     const VectorXd slope = gradient(problem, iterate, at);
     VectorXd forces(problem.limits.size());
     for (Eigen::Index l = 0; l < forces.size(); ++l) forces[l] = at.limits[l].force;
     const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
     if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
-      return true;
+      return {true, i};
 
     ++report.sqp_iterations;
     VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
     step *= bearable_share(*problem.model, step);
 
     if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
-      return true;  // as low as rounding lets it
+      return {true, i + 1};  // as low as rounding lets it
     add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
   }
-  return false;
+  return {false, std::max(most, 0)};
 }
 
 void update_multipliers(const StepProblem& problem, Iterate& iterate) {
@@ -123,21 +129,22 @@ bool is_stalled(const Quality& quality, bool settled, Stall& stall) {
 
 Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
                             StepReport& report) {
-  const int first = report.sqp_iterations, most = problem.options->solver.max_augmented_iterations;
+  int left = problem.options->solver.max_augmented_iterations;
   evaluate(problem, iterate.positions, iterate.evaluation);
   add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
   Stall stall;
   while (true) {
-    const bool settled = minimise(problem, workspace, most - (report.sqp_iterations - first), iterate, report);
+    const auto [settled, iterations] = minimise(problem, workspace, left, iterate, report);
+    left -= iterations;
     update_multipliers(problem, iterate);
     update_contacts(problem.contact, iterate.positions, iterate.contacts);
     const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
     tell(problem, report.sqp_iterations, quality, iterate);
-    report.kkt_residual = quality.kkt;
+    iterate.residuals.push_back(quality.kkt);
     if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
     if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;
-    if (report.sqp_iterations - first >= most) return Search::unfinished;
+    if (left <= 0) return Search::unfinished;
   }
 }
 

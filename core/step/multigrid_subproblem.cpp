@@ -35,7 +35,9 @@ struct Accuracy {
 // The linear system is solved no more exactly than the last iteration has shown to be of use (Eisenstat and Walker
 // 1996, their second choice): what turning hexes do is not in it. Contacts are, and the more exactly the nearer the
 // iterate is to the step's solution.
-Accuracy accuracy_at(double kkt_residual, double kkt_fall, double tolerance) {
+Accuracy accuracy_after(const std::vector<double>& residuals, double tolerance) {
+  const double kkt_residual = residuals.back();
+  const double kkt_fall = residuals.size() > 1 ? kkt_residual / residuals[residuals.size() - 2] : 1;
   const bool restoring = is_balanced(kkt_residual, tolerance);
   const double foretold = std::clamp(0.9 * kkt_fall * kkt_fall, std::min(5 * tolerance, 0.05), 0.05);
   return {.linear = restoring ? restoring_accuracy : foretold,
@@ -135,16 +137,20 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
 
 }  // namespace
 
-NewtonStep minimise_subproblem(const StepProblem& problem, const Linearisation& at, const VectorXd& grad,
-                               Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
+void prepare_multigrid(const StepProblem& problem, const Iterate&, Workspace::Data& workspace) {
+  multigrid_system(*problem.model, workspace);
+}
+
+NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
+                              Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   const Model& model = *problem.model;
   set_up_multigrid(problem, at, iterate, workspace);
   ++report.factorisations;
-  const Accuracy accuracy = accuracy_at(report.kkt_residual, iterate.kkt_fall, problem.options->solver.tolerance);
+  const Accuracy accuracy = accuracy_after(iterate.residuals, problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
   ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
-  VectorXd missing = VectorXd::Zero(grad.size());
-  if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (grad - system.offset_force);
+  VectorXd missing = VectorXd::Zero(slope.size());
+  if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (slope - system.offset_force);
   begin(model, missing, system);
   const double fall = iterate.contacts.empty() ? 0 : first_fall;
   solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;

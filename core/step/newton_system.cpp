@@ -132,8 +132,7 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
   }
   for (std::size_t i = 0; i < at.contacts.size(); ++i)
     append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].impulse / problem.h, terms);
-  if (!workspace.multigrid) workspace.multigrid = make_multigrid_system(model);
-  set_up(problem, iterate.positions, stiffening, terms, *workspace.multigrid);
+  set_up(problem, iterate.positions, stiffening, terms, multigrid_system(model, workspace));
 }
 
 NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system) {

@@ -77,23 +77,6 @@ StepReport advance(const Model& model, const StepOptions& options, const LinearP
 
 }  // namespace
 
-Workspace::Workspace(const Model& model)
-    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
-
-SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace) {
-  if (!workspace.matrix) workspace.matrix = make_system_matrix(model);
-  return *workspace.matrix;
-}
-
-void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace) {
-  if (workspace.matrix && nodes == workspace.matrix->last) return;
-  workspace.matrix = make_system_matrix(model, nodes);
-  workspace.cholesky = SparseCholesky();
-}
-
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
   const LinearPlan plan = plan_linear_solvers(model, options.solver);

@@ -25,4 +25,7 @@ SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace);
 /// Brings the matrix into an order in which these nodes (ascending) are eliminated last; keeps it if they are already.
 void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace);
 
+/// The multigrids of the model's bodies.
+MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace);
+
 }  // namespace umax

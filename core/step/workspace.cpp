@@ -1,0 +1,26 @@
+#include "core/step/workspace.h"
+
+namespace umax {
+
+Workspace::Workspace(const Model& model)
+    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+
+SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace) {
+  if (!workspace.matrix) workspace.matrix = make_system_matrix(model);
+  return *workspace.matrix;
+}
+
+void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace) {
+  if (workspace.matrix && nodes == workspace.matrix->last) return;
+  workspace.matrix = make_system_matrix(model, nodes);
+  workspace.cholesky = SparseCholesky();
+}
+
+MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace) {
+  if (!workspace.multigrid) workspace.multigrid = make_multigrid_system(model);
+  return *workspace.multigrid;
+}
+
+}  // namespace umax
