@@ -74,7 +74,7 @@ void evaluate_limit(const StepProblem& problem, int l, const CorotatedHex& hex, 
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
   const HexLimit& limit = model.limits[l];
-  const double young = problem.young[limit.hex];
+  const double young = problem.materials.young[limit.hex];
   const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
   evaluation.energy[l] =
       true_whole ? evaluation.elastic_energy[limit.hex] : limited_energy(model, solver.energy, limit, young, hex);
@@ -98,15 +98,15 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   evaluation.hexes.resize(is_assembled ? model.num_hexes() : 0);
   evaluation.elastic.resize(24, model.num_hexes());
   evaluation.damping.resize(24, damped ? model.num_hexes() : 0);
-  evaluation.limit.resize(24, own_limit_gradients ? problem.limits.size() : 0);
+  evaluation.limit.resize(24, own_limit_gradients ? problem.materials.limits.size() : 0);
   evaluation.elastic_energy.resize(model.num_hexes());
-  evaluation.energy.resize(problem.limits.size());
+  evaluation.energy.resize(problem.materials.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
       const HexShape& shape = model.shapes[model.hex_shape[e]];
       const Matrix8x3d x = hex_nodes(model, positions, e);
       const CorotatedHex hex = corotate(shape, solver.rotation, x);
-      const double young = problem.young[e];
+      const double young = problem.materials.young[e];
       const EnergyWithGradient elastic =
           energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
       evaluation.elastic_energy[e] = elastic.energy;

@@ -116,11 +116,11 @@ int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, It
 }
 
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate) {
-  VectorXd factors(problem.limits.size());
+  VectorXd factors(problem.materials.limits.size());
   for (Eigen::Index l = 0; l < factors.size(); ++l)
     factors[l] = problem.model->limits[l].kind == LimitKind::hard
-                     ? iterate.multipliers[l] / problem.limits[l]
-                     : soft_limit_terms(iterate.evaluation.energy[l], problem.limits[l], {}).force;
+                     ? iterate.multipliers[l] / problem.materials.limits[l]
+                     : soft_limit_terms(iterate.evaluation.energy[l], problem.materials.limits[l], {}).force;
   return factors;
 }
 
@@ -129,11 +129,11 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
   Quality quality;
   // a hex beyond its limit that is not pushed yet may be pushed as hard as the hardest pushed one is
   const double largest = iterate.multipliers.size() ? iterate.multipliers.maxCoeff() : 0;
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
     if (model.limits[l].kind != LimitKind::hard) continue;
-    const double ratio = iterate.evaluation.energy[l] / problem.limits[l];
+    const double ratio = iterate.evaluation.energy[l] / problem.materials.limits[l];
     quality.max_ratio = std::max(quality.max_ratio, ratio);
-    if (iterate.multipliers[l] > problem.options->solver.tolerance * problem.limits[l])
+    if (iterate.multipliers[l] > problem.options->solver.tolerance * problem.materials.limits[l])
       quality.complementarity = std::max(quality.complementarity, std::abs(1 - ratio));
     const double multiplier = iterate.multipliers[l];
     if (multiplier > 0 || ratio > 1)

@@ -20,39 +20,52 @@ std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate
   return rotations;
 }
 
+VectorXd mass_damping(const Model& model) {
+  VectorXd damping(model.num_nodes());
+  for (const Model::BodyRange& body : model.bodies)
+    damping.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
+  return damping;
+}
+
+VectorXd stiffness_damping(const Model& model) {
+  VectorXd damping(model.num_hexes());
+  for (const Model::BodyRange& body : model.bodies)
+    damping.segment(body.first_hex, body.num_hexes).setConstant(body.material.damping_stiffness);
+  return damping;
+}
+
+double joining_share_for(double tolerance) {
+  return 0.5 * std::min(1.0, tolerance / SolverOptions{}.tolerance);
+}
+
 }  // namespace
 
-StepProblem materials_at(const Model& model, const StepOptions& options, double time) {
-  StepProblem problem;
-  problem.model = &model;
-  problem.options = &options;
-  problem.young.resize(model.num_hexes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) problem.young[e] = young_at(model, e, time);
-  problem.limits.resize(Eigen::Index(model.limits.size()));
+Materials materials_at(const Model& model, double time) {
+  Materials materials{VectorXd(model.num_hexes()), VectorXd(Eigen::Index(model.limits.size()))};
+  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) materials.young[e] = young_at(model, e, time);
   for (std::size_t l = 0; l < model.limits.size(); ++l)
-    problem.limits[Eigen::Index(l)] = energy_limit_at(model, model.limits[l].hex, time, model.limits[l].part);
-  return problem;
+    materials.limits[Eigen::Index(l)] = energy_limit_at(model, model.limits[l].hex, time, model.limits[l].part);
+  return materials;
 }
 
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
                        const ContactGeometry& geometry, const State& state) {
-  StepProblem problem = materials_at(model, options, state.time + options.time_step);
-  problem.plan = plan;
-  problem.h = options.time_step;
-  problem.joining_share *= std::min(1.0, options.solver.tolerance / SolverOptions{}.tolerance);
-  problem.positions_t0 = state.positions;
-  problem.velocities_t0 = state.velocities;
-  problem.damping_stiffness.resize(model.num_hexes());
-  problem.damping_mass.resize(model.num_nodes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e)
-    problem.damping_stiffness[e] = model.bodies[model.hex_body[e]].material.damping_stiffness;
-  if (problem.damping_stiffness.size() > 0 && problem.damping_stiffness.maxCoeff() > 0)
-    problem.rotations_t0 = rotations_at(model, options.solver.rotation, state.positions);
-  for (const Model::BodyRange& body : model.bodies)
-    problem.damping_mass.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
-  problem.contact =
-      begin_contact_step(model, geometry, state.positions, state.time, options.time_step, options.gravity.norm());
-  return problem;
+  const double h = options.time_step;
+  const VectorXd damping_stiffness = stiffness_damping(model);
+  const bool damped = (damping_stiffness.array() > 0).any();
+  return {
+      .model = &model,
+      .options = &options,
+      .plan = plan,
+      .h = h,
+      .positions_t0 = state.positions,
+      .velocities_t0 = state.velocities,
+      .materials = materials_at(model, state.time + h),
+      .damping_mass = mass_damping(model),
+      .damping_stiffness = damping_stiffness,
+      .rotations_t0 = damped ? rotations_at(model, options.solver.rotation, state.positions) : std::vector<Matrix3d>{},
+      .contact = begin_contact_step(model, geometry, state.positions, state.time, h, options.gravity.norm()),
+      .joining_share = joining_share_for(options.solver.tolerance)};
 }
 
 VectorXd flatten(const Points& points) {
@@ -68,17 +81,17 @@ void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<
     if (model.node_fixed[node]) columns.middleRows<3>(3 * node).setZero();
 }
 
-VectorXd limit_ratios(const StepProblem& problem, const Points& positions) {
-  const Model& model = *problem.model;
-  const SolverOptions& solver = problem.options->solver;
-  VectorXd ratios(problem.limits.size());
+VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Materials& materials,
+                      const Points& positions) {
+  VectorXd ratios(materials.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e) {
       if (model.limit_starts[e] == model.limit_starts[e + 1]) continue;
       const HexShape& shape = model.shapes[model.hex_shape[e]];
       const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
       for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
-        ratios[l] = 1 - limit_value(model, solver.energy, model.limits[l], problem.young[e], problem.limits[l], hex);
+        ratios[l] =
+            1 - limit_value(model, solver.energy, model.limits[l], materials.young[e], materials.limits[l], hex);
     }
   });
   return ratios;
@@ -102,7 +115,7 @@ Vector3d relative_motion(const StepProblem& problem, const Points& positions, co
 
 double contact_penalty(const StepProblem& problem, const Contact& contact) {
   const Model& model = *problem.model;
-  const double stiffness = problem.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
+  const double stiffness = problem.materials.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 

@@ -8,7 +8,14 @@
 
 namespace umax {
 
-/// Constant during one step.
+/// What changes with time in a model's materials.
+struct Materials {
+  VectorXd young;   // #E [Pa]
+  VectorXd limits;  // #L [J] U_max
+};
+Materials materials_at(const Model& model, double time);
+
+/// Made whole by begin_step() and constant during the step.
 struct StepProblem {
   const Model* model = nullptr;
   const StepOptions* options = nullptr;
@@ -16,22 +23,17 @@ struct StepProblem {
   double h = 0;                        // [s]
   Points positions_t0;                 // #N x 3 [m]
   Points velocities_t0;                // #N x 3 [m/s]
-  VectorXd young;                      // #E [Pa] at the end of the step
-  VectorXd limits;                     // #L [J] U_max at the end of the step
+  Materials materials;                 // at the end of the step
   VectorXd damping_mass;               // #N [1/s] Rayleigh alpha
   VectorXd damping_stiffness;          // #E [s] Rayleigh beta
   std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps
   ContactStep contact;
   // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
-  double joining_share = 0.5;
-  bool last_attempt = true;  // a step that does not converge is not halved
+  double joining_share = 0;
 };
 
-/// Young's moduli and limits of the model at a time [s], in a problem that lacks all else.
-StepProblem materials_at(const Model& model, const StepOptions& options, double time);
-
-/// What the step from the state to one time step later solves.
+/// What the step from the state to one time step later solves. Keeps the addresses of model, options and geometry.
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
                        const ContactGeometry& geometry, const State& state);
 
@@ -43,7 +45,8 @@ Points unflatten(const VectorXd& vector);
 void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns);
 
 /// U/U_max of every limit at the positions, rotations fresh: #L.
-VectorXd limit_ratios(const StepProblem& problem, const Points& positions);
+VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Materials& materials,
+                      const Points& positions);
 
 /// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
 void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);

@@ -23,7 +23,7 @@ constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradien
 Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
   Linearisation at;
   at.limits = limit_terms(problem, iterate, relative_penalty);
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l)
     if (problem.model->limits[l].kind == LimitKind::hard) at.limits[l].stiffening = at.limits[l].force;  // L's own
   for (const Contact& contact : iterate.contacts)
     at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
@@ -34,8 +34,8 @@ Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
 
 double lagrangian(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {
   double sum = incremental_potential(problem, iterate.evaluation, iterate.positions);
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
-    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.materials.limits[l];
     sum += problem.model->limits[l].kind == LimitKind::hard
                ? hard_limit_energy(energy, limit, iterate.multipliers[l], relative_penalty * limit)
                : soft_limit_energy(energy, limit, {});
@@ -78,7 +78,7 @@ Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, in
   for (int i = 0; i < most; ++i) {
     const Linearisation at = linearise(problem, iterate);
     const VectorXd slope = gradient(problem, iterate, at);
-    VectorXd forces(problem.limits.size());
+    VectorXd forces(problem.materials.limits.size());
     for (Eigen::Index l = 0; l < forces.size(); ++l) forces[l] = at.limits[l].force;
     const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
     if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
@@ -96,10 +96,10 @@ Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, in
 }
 
 void update_multipliers(const StepProblem& problem, Iterate& iterate) {
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l)
     if (problem.model->limits[l].kind == LimitKind::hard)
-      iterate.multipliers[l] =
-          std::max(0.0, iterate.multipliers[l] + relative_penalty * (iterate.evaluation.energy[l] - problem.limits[l]));
+      iterate.multipliers[l] = std::max(0.0, iterate.multipliers[l] + relative_penalty * (iterate.evaluation.energy[l] -
+                                                                                          problem.materials.limits[l]));
   for (Contact& contact : iterate.contacts) {
     const double penalty = contact_penalty(problem, contact);
     const Vector3d n = contact.normal;

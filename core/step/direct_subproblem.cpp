@@ -68,8 +68,8 @@ VectorXd solve_step(const StepProblem& problem, const SparseCholesky& cholesky, 
 VectorXd limit_change(const StepProblem& problem, const Linearisation& at, const VectorXd& step,
                       const Iterate& iterate) {
   const Model& model = *problem.model;
-  VectorXd change = VectorXd::Zero(problem.limits.size());
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l)
+  VectorXd change = VectorXd::Zero(problem.materials.limits.size());
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l)
     if (at.limits[l].rank_one > 0)
       for (int n = 0; n < 8; ++n)
         change[l] += iterate.evaluation.limit_gradient(model, l).segment<3>(3 * n).dot(

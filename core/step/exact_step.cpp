@@ -60,9 +60,10 @@ constexpr BackEnd multigrid{
 std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const BackEnd& back_end,
                                                const Iterate& iterate) {
   std::vector<LimitTerms> terms = limit_terms(problem, iterate, relative_penalty);
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
-    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l], multiplier = iterate.multipliers[l];
+    const double energy = iterate.evaluation.energy[l], limit = problem.materials.limits[l],
+                 multiplier = iterate.multipliers[l];
     const bool held = !iterate.released[l] && multiplier + hold * (energy - limit) > 0;
     terms[l] = held ? held_limit_terms(energy, limit, multiplier, back_end.penalty(limit, multiplier)) : LimitTerms{};
   }
@@ -71,10 +72,10 @@ std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const
 
 void update_multipliers(const StepProblem& problem, const Linearisation& at, const VectorXd& change, double share,
                         Iterate& iterate) {
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const bool held = at.limits[l].rank_one > 0;
-    const double next = problem.limits[l] * (at.limits[l].force + at.limits[l].rank_one * change[l]);
+    const double next = problem.materials.limits[l] * (at.limits[l].force + at.limits[l].rank_one * change[l]);
     iterate.released[l] = held && next < 0;
     iterate.multipliers[l] += share * ((held ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
   }
@@ -122,13 +123,13 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 
 // The SQP; where it fails the safety net; where even that ends beyond the limits, as it may from a crumpled start that
 // has a knot for a local minimum, the safety net from the undeformed bodies. The iterate is the best that was found.
-StepStatus solve(const StepProblem& problem, Workspace::Data& workspace, const State& state, Iterate& iterate,
-                 StepReport& report) {
+StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data& workspace, const State& state,
+                 Iterate& iterate, StepReport& report) {
   iterate = predict(problem, state);
   const BackEnd& back_end = problem.plan.is_multigrid() ? multigrid : direct;
   back_end.prepare(problem, iterate, workspace);
   if (sequential_quadratic(problem, back_end, workspace, iterate, report)) return StepStatus::converged;
-  if (back_end.halves_first && !problem.last_attempt) return StepStatus::iteration_limit;
+  if (back_end.halves_first && may_be_halved) return StepStatus::iteration_limit;
   iterate = predict(problem, state);
   const Search search = augmented_lagrangian(problem, workspace, iterate, report);
   if (search == Search::solved) return StepStatus::converged;
@@ -146,10 +147,10 @@ StepStatus solve(const StepProblem& problem, Workspace::Data& workspace, const S
 
 }  // namespace
 
-StepReport exact_step(const StepProblem& problem, Workspace::Data& workspace, State& state) {
+StepReport exact_step(const StepProblem& problem, bool may_be_halved, Workspace::Data& workspace, State& state) {
   StepReport report;
   Iterate iterate;
-  report.status = solve(problem, workspace, state, iterate, report);
+  report.status = solve(problem, may_be_halved, workspace, state, iterate, report);
   state.velocities = (iterate.positions - problem.positions_t0) / problem.h;
   state.positions = iterate.positions;
   state.limit_multipliers = iterate.multipliers;

@@ -64,7 +64,7 @@ void set_up_matrix(const StepProblem& problem, const Model::BodyRange& body, con
     for (Eigen::Index e = begin; e < end; ++e) {
       const Eigen::Index hex = body.first_hex + e;
       grid.stiffness[grid.cell_slots[e]] =
-          float(problem.young[hex] * (1 + stiffening[hex] + problem.damping_stiffness[hex] / h));
+          float(problem.materials.young[hex] * (1 + stiffening[hex] + problem.damping_stiffness[hex] / h));
     }
   });
   parallel_blocks(body.num_nodes, grain, [&](Eigen::Index begin, Eigen::Index end) {

@@ -38,7 +38,8 @@ void elastic_matrix(const StepProblem& problem, const Evaluation& evaluation, co
   const Matrix8x3d& h = shape.rotation_gradients[int(solver.rotation)];
   const CorotatedHex& hex = evaluation.hexes[e];
   const auto hessian = [&](const Matrix24d& K) -> Matrix24d {
-    return exact ? exact_hessian(K, problem.young[e], h, hex) : warped_hessian(K, problem.young[e], hex);
+    return exact ? exact_hessian(K, problem.materials.young[e], h, hex)
+                 : warped_hessian(K, problem.materials.young[e], hex);
   };
   element = hessian(shape.stiffness);
   const int first = model.limit_starts[e], end = model.limit_starts[e + 1];
@@ -76,7 +77,7 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
     CorotatedHex start;
     start.rotation = problem.rotations_t0[e];
     element += problem.damping_stiffness[e] / problem.h *
-               warped_hessian(model.shapes[model.hex_shape[e]].stiffness, problem.young[e], start);
+               warped_hessian(model.shapes[model.hex_shape[e]].stiffness, problem.materials.young[e], start);
   }
 }
 
@@ -114,7 +115,8 @@ void append_contact_terms(const Contact& contact, const ContactTerms& at, const 
 // The limit's rank-one term; its offset is what the limit pushes beyond its multiplier.
 HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const LimitTerms& at, Eigen::Index l) {
   const Model& model = *problem.model;
-  const double known = model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.limits[l] : 0;
+  const double known =
+      model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.materials.limits[l] : 0;
   const double root = std::sqrt(at.rank_one);
   return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
 }
@@ -160,9 +162,9 @@ VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const 
 }
 
 std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty) {
-  std::vector<LimitTerms> terms(problem.limits.size());
-  for (Eigen::Index l = 0; l < problem.limits.size(); ++l) {
-    const double energy = iterate.evaluation.energy[l], limit = problem.limits[l];
+  std::vector<LimitTerms> terms(problem.materials.limits.size());
+  for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
+    const double energy = iterate.evaluation.energy[l], limit = problem.materials.limits[l];
     terms[l] = problem.model->limits[l].kind == LimitKind::hard
                    ? hard_limit_terms(energy, limit, iterate.multipliers[l], relative_penalty * limit)
                    : soft_limit_terms(energy, limit, {});

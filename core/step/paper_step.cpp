@@ -34,8 +34,9 @@ VectorXd assemble(const StepProblem& problem, SystemMatrix& matrix) {
     const HexShape& shape = model.shapes[model.hex_shape[e]];
     const CorotatedHex hex =
         corotate(shape, problem.options->solver.rotation, hex_nodes(model, problem.positions_t0, e));
-    element = (h * h + h * problem.damping_stiffness[e]) * warped_hessian(shape.stiffness, problem.young[e], hex);
-    gradients.col(e) = warped_gradient(shape.stiffness, problem.young[e], hex);
+    element =
+        (h * h + h * problem.damping_stiffness[e]) * warped_hessian(shape.stiffness, problem.materials.young[e], hex);
+    gradients.col(e) = warped_gradient(shape.stiffness, problem.materials.young[e], hex);
   });
   return -h * gather(model, gradients);
 }
@@ -104,8 +105,9 @@ std::vector<Vector24d> limit_rows(const StepProblem& problem, const std::vector<
       const int e = limit.hex;
       const CorotatedHex hex =
           corotate(model.shapes[model.hex_shape[e]], solver.rotation, hex_nodes(model, positions, e));
-      rows[i] = limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, problem.young[e], hex) /
-                -problem.limits[limits[i]];
+      rows[i] = limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit,
+                                 problem.materials.young[e], hex) /
+                -problem.materials.limits[limits[i]];
       for (int n = 0; n < 8; ++n)
         if (model.node_fixed[model.hexes(e, n)]) rows[i].segment<3>(3 * n).setZero();
     }
@@ -226,7 +228,7 @@ double worst_gap(const Model& model, const std::vector<Contact>& contacts) {
 // evaluates limits and contacts at the current positions; true if all hold
 bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
-  iterate.ratios = limit_ratios(problem, iterate.positions);
+  iterate.ratios = limit_ratios(*problem.model, problem.options->solver, problem.materials, iterate.positions);
   bool hold = true;
   for (Eigen::Index l = 0; l < iterate.ratios.size(); ++l)
     if (iterate.ratios[l] > 1) {
@@ -294,7 +296,7 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   Evaluation evaluation;
   evaluate(problem, state.positions, evaluation);
   report.kkt_residual = kkt_residual(problem, evaluation, state.positions,
-                                     state.limit_multipliers.cwiseQuotient(problem.limits), iterate.contacts);
+                                     state.limit_multipliers.cwiseQuotient(problem.materials.limits), iterate.contacts);
   remember_contacts(iterate.contacts, state);
   return report;
 }

@@ -54,13 +54,12 @@ StepReport joined(const StepReport& first, const StepReport& second) {
 StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
                    State& state, int halvings) {
   const State start = state;
-  StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);
+  const StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);
   const bool exact = options.solver.method == SolverMethod::exact;
-  problem.last_attempt = halvings == 0 || !start.been_feasible;
-  StepReport report = exact ? exact_step(problem, data, state) : paper_step(problem, data, state);
+  const bool may_be_halved = exact && halvings > 0 && start.been_feasible;
+  StepReport report = exact ? exact_step(problem, may_be_halved, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
-  const bool retry = exact && report.status == StepStatus::iteration_limit && !problem.last_attempt;
-  if (!retry) return report;
+  if (!may_be_halved || report.status != StepStatus::iteration_limit) return report;
 
   state = start;
   StepOptions half = options;
@@ -99,9 +98,7 @@ StepReport measure(const Model& model, const StepOptions& options, const State& 
 }
 
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state) {
-  StepOptions options;
-  options.solver = solver;
-  return largest_by_hex(model, limit_ratios(materials_at(model, options, state.time), state.positions));
+  return largest_by_hex(model, limit_ratios(model, solver, materials_at(model, state.time), state.positions));
 }
 
 }  // namespace umax

@@ -155,14 +155,14 @@ TEST_CASE("limits hold in a linearised step on multigrids, however often its con
   const Evaluation& evaluation = impact.iterate.evaluation;
   double violation = 0, left = 0;
   int held = 0;
-  for (Eigen::Index l = 0; l < impact.problem.limits.size(); ++l) {
+  for (Eigen::Index l = 0; l < impact.problem.materials.limits.size(); ++l) {
     if (!(impact.at.limits[l].rank_one > 0)) continue;
     ++held;
     const Vector24d gradient = evaluation.limit_gradient(model, l);
     double change = 0;
     for (int n = 0; n < 8; ++n)
       change += gradient.segment<3>(3 * n).dot(newton.step.segment<3>(3 * model.hexes(model.limits[l].hex, n)));
-    violation = std::max(violation, std::abs(evaluation.energy[l] - impact.problem.limits[l]));
+    violation = std::max(violation, std::abs(evaluation.energy[l] - impact.problem.materials.limits[l]));
     left = std::max(left, std::abs(change - newton.limit_change[l]));
   }
   REQUIRE(held > 5);
