@@ -1,9 +1,7 @@
 #include "scenes/scene_file.h"
 
-#include <fstream>
-#include <iterator>
-
 #include "core/base/nearest_word.h"
+#include "core/files/read_file.h"
 #include "scenes/builtin_scenes.h"
 #include "scenes/presets.h"
 #include "scenes/scene_checks.h"
@@ -53,12 +51,10 @@ std::string read_scene_text(const fs::path& path) {
   if (fs::file_size(path, failed) > largest && !failed)
     throw Error(ExitCode::bad_data,
                 {.where = path.string(), .what = "is too large for a scene file", .remedy = "give a .toml file"});
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad() || !file.is_open())
+  if (!is_readable(path))
     throw Error(ExitCode::not_found,
                 {.where = path.string(), .what = "cannot be read", .remedy = "check its permissions"});
-  return text;
+  return read_file(path);
 }
 
 Override parse_override(const std::string& text) {

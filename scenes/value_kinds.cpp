@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/nearest_word.h"
+#include "core/base/srgb.h"
 
 namespace umax {
 namespace {
@@ -79,9 +80,8 @@ int read_integer(const SceneValue& value, int low, int high) {
   return int(number);
 }
 
-float srgb_to_linear(int byte) {
-  const double encoded = byte / 255.0;
-  return float(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+float linear_from_code(unsigned code) {
+  return float(linear_from_srgb((code & 255) / 255.0));
 }
 
 }  // namespace
@@ -229,7 +229,7 @@ Eigen::Vector3f ColorKind::read(const SceneValue& value) const {
     const bool is_hash = text->size() == 7 && text->front() == '#';
     if (!is_hash || std::from_chars(text->data() + 1, end, code, 16).ptr != end)
       throw value_error(value, "is not a colour", remedy);
-    return {srgb_to_linear(int(code >> 16)), srgb_to_linear(int(code >> 8 & 255)), srgb_to_linear(int(code & 255))};
+    return {linear_from_code(code >> 16), linear_from_code(code >> 8), linear_from_code(code)};
   }
   const Range range = bounded ? zero_to_one : Range{.low = 0, .high = 1e9};
   const SceneValue::Array& array = array_of(value, 3, remedy);

@@ -3,11 +3,10 @@
 #include <openssl/evp.h>
 
 #include <array>
-#include <fstream>
 #include <memory>
-#include <vector>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 
 namespace umax {
 namespace {
@@ -49,14 +48,8 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(path, failed))
     throw Error(ExitCode::not_found, {.where = path.string(), .what = "no such file"});
-  std::ifstream file(path, std::ios::binary);
   Sha256 hash;
-  std::vector<char> buffer(1 << 20);
-  while (file) {
-    file.read(buffer.data(), std::streamsize(buffer.size()));
-    hash.add({buffer.data(), std::size_t(file.gcount())});
-  }
-  if (!file.eof()) throw Error(ExitCode::io_error, {.where = path.string(), .what = "cannot be read"});
+  read_pieces(path, [&](std::string_view bytes) { hash.add(bytes); });
   return hash.hex();
 }
 

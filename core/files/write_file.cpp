@@ -1,7 +1,6 @@
 #include "core/files/write_file.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -55,31 +54,6 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
     ::unlink(temporary.c_str());
     fail(path, "cannot be put in place", error, error == EISDIR || error == EEXIST);
   }
-}
-
-std::string read_file(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) {
-    const bool missing = errno == ENOENT || errno == ENOTDIR;
-    throw Error(
-        missing ? ExitCode::not_found : ExitCode::io_error,
-        {path.string(), missing ? "does not exist" : std::string("cannot be opened (") + std::strerror(errno) + ")", "",
-         "check the path"});
-  }
-  struct stat status {};
-  std::string bytes;
-  if (::fstat(file, &status) == 0 && status.st_size > 0) bytes.reserve(std::size_t(status.st_size));
-  char block[65536];
-  ssize_t count = 0;
-  while ((count = ::read(file, block, sizeof block)) > 0 || (count < 0 && errno == EINTR))
-    if (count > 0) bytes.append(block, std::size_t(count));
-  const int error = count < 0 ? errno : 0;
-  ::close(file);
-  if (error != 0) {
-    throw Error(ExitCode::io_error,
-                {path.string(), std::string("cannot be read (") + std::strerror(error) + ")", "", "check the file"});
-  }
-  return bytes;
 }
 
 }  // namespace umax

@@ -7,11 +7,9 @@
 
 namespace umax {
 
-/// Puts `bytes` at `path`, replacing what was there in one step. Throws Error 73 when the folder is missing or
-/// read-only or the disk is full, 74 when the write or the renaming fails otherwise; then `path` is as it was before.
+/// Puts `bytes` at `path`, replacing what was there in one step. Throws Error: cannot_create when the folder is missing
+/// or read-only or the disk is full, io_error when the write or the renaming fails otherwise; then `path` is as it was
+/// before.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
-
-/// The whole file. Throws Error 66 when it does not exist, 74 when it cannot be read.
-std::string read_file(const std::filesystem::path& path);
 
 }  // namespace umax

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/element/hexahedron.h"
+#include "core/files/read_file.h"
 #include "embedding/hex_files/hex_mesh_formats.h"
 #include "embedding/scanning/file_checks.h"
 #include "embedding/surface/hex_faces.h"
@@ -152,7 +153,7 @@ VectorXd factors_of(const Path& path, const Parts& parts, const std::string& nam
 }
 
 HexFile read_by_ending(const Path& path) {
-  const std::string ending = lower_ending(path), text = read_whole_file(path);
+  const std::string ending = lower_ending(path), text = read_file(path);
   if (ending == "msh") return read_gmsh(path, text);
   if (ending == "vtk") return read_vtk_legacy(path, text);
   return read_vtu(path, text);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/srgb.h"
 #include "embedding/mesh_files/mesh_formats.h"
 #include "embedding/scanning/file_checks.h"
 #include "embedding/surface/topology.h"
@@ -64,7 +65,8 @@ void append(const Path& path, const Instance& instance, bool linear_colors, Eige
     if (mesh.colors.rows() == 0) continue;
     const aiColor4D& c = part.mColors[0] ? part.mColors[0][v] : aiColor4D(1, 1, 1, 1);
     const Eigen::RowVector3d color(c.r, c.g, c.b);
-    mesh.colors.row(first_vertex + v) = linear_colors ? color : Eigen::RowVector3d(color.unaryExpr(&linear_from_srgb));
+    mesh.colors.row(first_vertex + v) =
+        linear_colors ? color : Eigen::RowVector3d(color.unaryExpr(&linear_from_srgb<double>));
   }
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];

@@ -18,7 +18,4 @@ MeshFile read_with_assimp(const std::filesystem::path& path, const std::string& 
 /// Returns the number of vertices that the file says it has, or -1 where the format does not say.
 long long check_promised_size(const std::filesystem::path& path, const std::string& ending);
 
-/// sRGB-encoded [0, 1] to linear.
-double linear_from_srgb(double encoded);
-
 }  // namespace umax

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -44,10 +43,6 @@ MeshFile surface_of_hexes(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-double linear_from_srgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 std::string known_mesh_formats() {
   return fmt::format("{}", fmt::join(known_endings, ", "));

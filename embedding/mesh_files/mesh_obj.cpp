@@ -8,6 +8,8 @@
 #include <limits>
 #include <string_view>
 
+#include "core/base/srgb.h"
+#include "core/files/read_file.h"
 #include "embedding/mesh_files/mesh_formats.h"
 #include "embedding/scanning/file_checks.h"
 
@@ -96,7 +98,8 @@ void take_vertices(const tinyobj::attrib_t& attributes, TriangleMesh& mesh) {
   const Eigen::Index num_vertices = Eigen::Index(attributes.vertices.size() / 3);
   mesh.positions = Eigen::Map<const Points>(attributes.vertices.data(), num_vertices, 3);
   if (Eigen::Index(attributes.colors.size()) == 3 * num_vertices && num_vertices > 0)
-    mesh.colors = Eigen::Map<const Points>(attributes.colors.data(), num_vertices, 3).unaryExpr(&linear_from_srgb);
+    mesh.colors =
+        Eigen::Map<const Points>(attributes.colors.data(), num_vertices, 3).unaryExpr(&linear_from_srgb<double>);
 }
 
 void take_faces(const Path& path, const tinyobj::attrib_t& attributes, const std::vector<tinyobj::shape_t>& shapes,
@@ -143,7 +146,7 @@ Path find_texture(const Path& path, const std::vector<tinyobj::material_t>& mate
 }  // namespace
 
 MeshFile read_obj(const Path& path) {
-  check_lines(path, read_whole_file(path));
+  check_lines(path, read_file(path));
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;

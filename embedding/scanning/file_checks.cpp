@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 
 namespace umax {
 namespace {
@@ -35,16 +34,9 @@ void require_readable_file(const std::filesystem::path& path, const std::string&
   };
   if (!std::filesystem::exists(path, error)) refuse_input("the " + thing + " does not exist", "check the path");
   if (std::filesystem::is_directory(path, error)) refuse_input("is a folder, not a " + thing, "name a file in it");
-  if (!std::ifstream(path, std::ios::binary)) refuse_input("the " + thing + " cannot be read", "check its permissions");
+  if (!is_readable(path)) refuse_input("the " + thing + " cannot be read", "check its permissions");
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) == 0)
     refuse_mesh(path, "the " + thing + " is empty", "0 bytes", "export it again");
-}
-
-std::string read_whole_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) refuse_mesh(path, "could not be read to its end", "", "check the disk");
-  return text;
 }
 
 void require_finite(const std::filesystem::path& path, const Points& positions) {

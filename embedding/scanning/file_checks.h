@@ -17,9 +17,6 @@ void require_readable_file(const std::filesystem::path& path, const std::string&
 /// "obj" of "a/b.OBJ".
 std::string lower_ending(const std::filesystem::path& path);
 
-/// All bytes of the file.
-std::string read_whole_file(const std::filesystem::path& path);
-
 /// Throw Error (bad_data) for coordinates that are not finite, beyond 1e9, or all in one point.
 void require_finite(const std::filesystem::path& path, const Points& positions);
 void require_sensible_box(const std::filesystem::path& path, const Points& positions);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 
 // Colours are laid out in OKLab (B. Ottosson, "A perceptual color space for image processing", 2020).
 namespace umax {

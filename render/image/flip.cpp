@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 
 namespace umax {
 namespace {

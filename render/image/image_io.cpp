@@ -4,9 +4,10 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/srgb.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "render/image/image_codecs.h"
-#include "render/image/srgb.h"
 
 namespace umax {
 namespace {

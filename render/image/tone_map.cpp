@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 
 namespace umax {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/scene/daylight.h"
 #include "render/scene/latlong.h"
 #include "render/scene/light.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/raster/gl_raster.h"
 #include "render/raster/raster_light.h"
 #include "render/raster/raster_shade.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/scene/fast_math.h"
 
 namespace umax {

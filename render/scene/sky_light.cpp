@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/scene/daylight.h"
 #include "render/scene/light.h"
 

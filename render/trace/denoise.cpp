@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 
 namespace umax {
 namespace {

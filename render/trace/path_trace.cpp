@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/trace/path_wave.h"
 
 namespace umax {

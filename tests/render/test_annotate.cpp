@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/files/write_file.h"
+#include "core/base/srgb.h"
+#include "core/files/read_file.h"
 #include "render/annotation/annotate.h"
 #include "render/image/colormap.h"
-#include "render/image/srgb.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_colors.h"

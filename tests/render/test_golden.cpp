@@ -1,6 +1,6 @@
 #include <Eigen/Geometry>
 
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "render/image/colormap.h"
 #include "render/raster/rasterize.h"
 #include "render/trace/path_trace.h"

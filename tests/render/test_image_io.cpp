@@ -9,9 +9,10 @@
 #include <functional>
 
 #include "core/base/error.h"
+#include "core/base/srgb.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "render/image/image_io.h"
-#include "render/image/srgb.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "render/raster/rasterize.h"
 #include "tests/support/catch.h"

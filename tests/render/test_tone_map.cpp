@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "render/image/srgb.h"
+#include "core/base/srgb.h"
 #include "render/image/tone_map.h"
 #include "tests/support/catch.h"
 

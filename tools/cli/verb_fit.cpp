@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "scenes/quantity.h"
 #include "tools/cli/verbs.h"

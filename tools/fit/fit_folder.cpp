@@ -1,6 +1,6 @@
 #include "tools/fit/fit_folder.h"
 
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "tools/fit/fit_report.h"
 
 namespace umax {

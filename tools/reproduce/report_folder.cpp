@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "tools/run/run_folder.h"
 

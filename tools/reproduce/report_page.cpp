@@ -1,4 +1,4 @@
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "tools/pages/html.h"
 #include "tools/reproduce/report.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "embedding/scanning/compression.h"
 #include "tools/system/subprocess.h"
 

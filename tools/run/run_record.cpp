@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 
 namespace umax {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/steps_csv.h"
 #include "tools/system/signals.h"

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 
 namespace umax {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 

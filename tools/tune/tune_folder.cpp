@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "tools/run/run_folder.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/files/write_file.h"
+#include "core/files/read_file.h"
 #include "tools/pages/html.h"
 #include "tools/run/run_folder.h"
 #include "tools/system/subprocess.h"

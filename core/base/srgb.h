@@ -1,4 +1,4 @@
-// The sRGB transfer curve (IEC 61966-2-1) and the luminance weights of Rec. 709.
+// The sRGB transfer curve (IEC 61966-2-1), the luminance weights of Rec. 709 and 8-bit codes.
 #pragma once
 
 #include <algorithm>
@@ -8,13 +8,17 @@
 namespace umax {
 
 /// Encoded value in [0, 1] for a linear one; values outside [0, 1] are continued by the curve, negative ones linearly.
-inline float srgb_from_linear(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+/// Real: float, as in pictures, or double, as in mesh files and scenes. Both round as their own type does.
+template <class Real>
+Real srgb_from_linear(Real linear) {
+  return linear <= Real(0.0031308) ? Real(12.92) * linear
+                                   : Real(1.055) * std::pow(linear, Real(1) / Real(2.4)) - Real(0.055);
 }
 
 /// Linear value for an encoded one: the inverse of srgb_from_linear().
-inline float linear_from_srgb(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+template <class Real>
+Real linear_from_srgb(Real encoded) {
+  return encoded <= Real(0.04045) ? encoded / Real(12.92) : std::pow((encoded + Real(0.055)) / Real(1.055), Real(2.4));
 }
 
 /// Nearest 8-bit code of a value in [0, 1]; what lies outside is clipped, NaN gives 0.
