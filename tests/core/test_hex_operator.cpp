@@ -13,6 +13,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/hex_systems.h"
+#include "tests/support/matrix_product.h"
 
 using namespace umax;
 using test::HexSystem;
@@ -41,7 +42,7 @@ VectorXd multiply_in_bricks(const HexSystem& system, const VectorXd& x, Instruct
 TEST_CASE("the matrix-free operator is the assembled matrix") {
   for (const HexSystem& system : test::hex_systems()) {
     Random random(5);
-    const VectorXd x = system.random_vector(random), expected = multiply(system.assembled, x);
+    const VectorXd x = system.random_vector(random), expected = test::multiply(system.assembled, x);
     for (const InstructionSet set : instruction_sets) {
       if (!is_supported(set)) continue;
       double product = 0;
@@ -103,7 +104,7 @@ TEST_CASE("a residual and a Chebyshev step are what their formulas say") {
     Random random(9);
     const VectorXd x = system.random_vector(random), b = system.random_vector(random);
     const VectorXd previous = system.random_vector(random);
-    const VectorXd r = b - multiply(system.assembled, x);
+    const VectorXd r = b - test::multiply(system.assembled, x);
     const HexOperator op = make_hex_operator(system.bricks, system.shape);
     const std::size_t size = system.bricks.num_slots() * vector_components;
     AlignedArray<double> xs(size), bs(size);

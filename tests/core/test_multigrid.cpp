@@ -1,5 +1,5 @@
 // Multigrid-preconditioned conjugate gradients against the direct solver.
-#include "core/linear/multigrid/conjugate_gradient.h"
+#include "core/linear/multigrid/multigrid.h"
 
 #include <tbb/global_control.h>
 
@@ -12,8 +12,10 @@
 #include "core/linear/multigrid/chebyshev.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
+#include "tests/support/conjugate_gradient.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/hex_systems.h"
+#include "tests/support/matrix_product.h"
 
 using namespace umax;
 using test::HexSystem;
@@ -24,7 +26,7 @@ namespace {
 
 struct Solution {
   VectorXd x;
-  ConjugateGradientReport report;
+  test::ConjugateGradientReport report;
 };
 
 Multigrid multigrid_of(const HexSystem& system, const MultigridOptions& options) {
@@ -37,11 +39,11 @@ Multigrid multigrid_of(const HexSystem& system, const MultigridOptions& options)
 Solution solve(const HexSystem& system, const VectorXd& b, double tolerance, const MultigridOptions& options) {
   Multigrid multigrid = multigrid_of(system, options);
   const HexMatrix<double> exact = system.matrix<double>();
-  ConjugateGradientWorkspace workspace = make_workspace(multigrid);
+  test::ConjugateGradientWorkspace workspace = test::make_workspace(multigrid);
   AlignedArray<double> bs(system.bricks.num_slots() * vector_components), xs(bs.size());
   to_bricks(system.node_slots, b, bs);
   Solution solution;
-  solution.report = umax::solve(multigrid, &exact, {.tolerance = tolerance}, bs, workspace, xs);
+  solution.report = test::solve(multigrid, &exact, {.tolerance = tolerance}, bs, workspace, xs);
   from_bricks(system.node_slots, xs, solution.x);
   return solution;
 }
@@ -106,7 +108,7 @@ TEST_CASE("multigrid gives the direct solver's solution in a bounded number of i
     MatrixXd expected = b;
     cholesky.solve(expected);
     const Solution solution = solve(system, b, 1e-10, {.degree = c.degree});
-    const double residual = (multiply(system.assembled, solution.x) - b).norm() / b.norm();
+    const double residual = (test::multiply(system.assembled, solution.x) - b).norm() / b.norm();
     const int to_1e8 = solve(system, b, 1e-8, {.degree = c.degree}).report.iterations;
     INFO(c.system.name << ", " << system.lattice.num_hexes() << " hexes: " << to_1e8 << " iterations to 1e-8");
     CHECK(solution.report.converged);
@@ -221,14 +223,14 @@ TEST_CASE("solving single stiff hexes exactly reduces every error") {
     VectorXd error = system.random_vector(random);
     double ratio = 0;
     for (int n = 0; n < 60; ++n) {
-      const VectorXd r = multiply(system.assembled, error);
+      const VectorXd r = test::multiply(system.assembled, error);
       AlignedArray<float> rs(system.bricks.num_slots() * vector_components), zs(rs.size());
       to_bricks(system.node_slots, r, rs);
       add_corrections(cells, rs, zs);
       VectorXd z;
       from_bricks(system.node_slots, zs, z);
       const VectorXd next = error - z;
-      ratio = std::sqrt(next.dot(multiply(system.assembled, next)) / error.dot(r));
+      ratio = std::sqrt(next.dot(test::multiply(system.assembled, next)) / error.dot(r));
       CHECK(ratio < 1 + 1e-6);
       error = next / next.norm();
     }

@@ -6,6 +6,7 @@
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
+#include "tests/support/matrix_product.h"
 
 using namespace umax;
 using test::Random;
@@ -36,7 +37,7 @@ MatrixXd random_columns(Eigen::Index rows, Eigen::Index columns) {
 }
 
 double residual(const SystemMatrix& matrix, const VectorXd& x, const VectorXd& b) {
-  return (multiply(matrix, x) - b).norm() / b.norm();
+  return (test::multiply(matrix, x) - b).norm() / b.norm();
 }
 
 }  // namespace

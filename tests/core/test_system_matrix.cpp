@@ -3,6 +3,7 @@
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
+#include "tests/support/matrix_product.h"
 
 using namespace umax;
 using test::Random;
@@ -64,7 +65,7 @@ TEST_CASE("the sparse matrix is the sum of its element matrices and masses") {
     }
     VectorXd x(3 * model.num_nodes());
     for (double& value : x) value = random.uniform(-1, 1);
-    CHECK((multiply(matrix, x) - dense.values * x).norm() < 1e-12 * (dense.values * x).norm());
+    CHECK((test::multiply(matrix, x) - dense.values * x).norm() < 1e-12 * (dense.values * x).norm());
   }
 }
 
@@ -86,5 +87,5 @@ TEST_CASE("a fixed node neither moves nor moves others") {
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e) add_element(e, random_symmetric(random), matrix);
   VectorXd x = VectorXd::Zero(3 * model.num_nodes());
   x.segment<3>(15) << 1, 2, 3;
-  CHECK((multiply(matrix, x) - x).norm() == 0);
+  CHECK((test::multiply(matrix, x) - x).norm() == 0);
 }

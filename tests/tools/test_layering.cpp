@@ -70,6 +70,9 @@ const std::vector<std::pair<std::string, std::string>> shut_doors{
     {"tools/tune", "core/element"},     {"tools/reproduce", "core/contact"}, {"tools/reproduce", "core/linear"},
     {"tools/cli", "core/contact"},      {"tools/cli", "core/linear"}};
 
+/// What tests and benchmarks share, outside of the house: of its rooms only benchmarks may include it.
+const std::string shared_with_tests = "tests/support";
+
 struct Include {
   std::string file;    // "core/step/step.h"
   std::string target;  // "render/image/image.h" or "embree3/rtcore.h"
@@ -100,6 +103,7 @@ bool is_shut(const std::string& room, const std::string& target) {
 
 /// Whether a file of the room may include a header of the target room.
 bool may_enter(const std::string& room, const std::string& target) {
+  if (target == shared_with_tests) return room == "tools/benchmarks";
   return room == target || (reachable_from(room).count(target) == 1 && !is_shut(room, target));
 }
 
@@ -113,8 +117,9 @@ std::vector<Include> includes_of(const std::string& top) {
                       file = fs::relative(entry.path(), UMAX_SOURCE_DIR).generic_string();
     for (std::sregex_iterator match(text.begin(), text.end(), line), end; match != end; ++match) {
       const std::string target = (*match)[1];
-      const bool ours = std::find(tops.begin(), tops.end(), top_of(target)) != tops.end() &&
-                        fs::exists(fs::path(UMAX_SOURCE_DIR) / target);
+      const bool ours =
+          (std::find(tops.begin(), tops.end(), top_of(target)) != tops.end() || room_of(target) == shared_with_tests) &&
+          fs::exists(fs::path(UMAX_SOURCE_DIR) / target);
       includes.push_back({file, target, ours});
     }
   }
@@ -217,6 +222,8 @@ TEST_CASE("a wrong include would be seen") {
   CHECK(!may_enter("render/trace", "core/model"));          // renderers know nothing of lattices and states
   CHECK(!may_enter("tools/run", "tools/cli"));              // nothing knows the command line
   CHECK(!may_enter("tools/run", "core/linear/saddle"));     // through a shut door
+  CHECK(!may_enter("tools/run", "tests/support"));          // a tool that tests would be part of
+  CHECK(may_enter("tools/benchmarks", "tests/support"));
   CHECK(may_enter("core/step", "core/base"));
   CHECK(may_enter("tools/cli", "scenes"));
 }

@@ -3,11 +3,13 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/multigrid/conjugate_gradient.h"
+#include "core/linear/multigrid/multigrid.h"
+#include "tests/support/conjugate_gradient.h"
 #include "tools/benchmarks/bench.h"
 
 namespace umax {
@@ -61,13 +63,28 @@ double scatter(const Vector3i& cell) {
   return double((h ^ h >> 16) % 100000) / 100000;
 }
 
+// bytes that it has allocated
+std::size_t memory(const Multigrid& multigrid) {
+  std::size_t bytes = 0;
+  for (const MultigridLevel& level : multigrid.levels) {
+    bytes += sizeof(float) * (level.matrix.frames.size() + level.matrix.diagonal.size() + level.inverse.size() +
+                              level.b.size() + level.x[0].size() + level.x[1].size());
+    bytes += sizeof(Brick) * level.lattice().bricks.size() + 4 * level.lattice().cell_masks.size() +
+             sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
+  }
+  bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +
+           multigrid.stiff_cells.rows.size() * (sizeof(StiffCells::Rows) + sizeof(std::array<int, 64>)) +
+           sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
+  return bytes + sizeof(double) * multigrid.dense_slots.size() * multigrid.dense_slots.size() * 9;
+}
+
 // A block of cubes, 1 m along x, clamped at x = 0, stepped once by a linearised implicit Euler step.
 class LinearStep {
  public:
   LinearStep(const Vector3i& size, double bend, bool hard)
       : multigrid_(make_multigrid(make_brick_lattice(block_cells(size), Vector3d::Constant(1.0 / size[0])), poisson,
                                   {.degree = hard ? 3 : 2})),
-        workspace_(make_workspace(multigrid_)) {
+        workspace_(test::make_workspace(multigrid_)) {
     const BrickLattice& lattice = this->lattice();
     stiffness_ = AlignedArray<float>(lattice.num_slots());
     for (AlignedArray<double>* v : {&positions_, &velocities_, &b_, &x_})
@@ -89,7 +106,7 @@ class LinearStep {
 
   const BrickLattice& lattice() const { return multigrid_.levels.front().lattice(); }
 
-  ConjugateGradientReport run(double tolerance) {
+  test::ConjugateGradientReport run(double tolerance) {
     MultigridLevel& level = multigrid_.levels.front();
     const auto start = std::chrono::steady_clock::now();
     set_frames(level.op, positions_, stiffness_, level.matrix);
@@ -97,7 +114,8 @@ class LinearStep {
     const auto assembled = std::chrono::steady_clock::now();
     set_up(multigrid_);
     const auto ready = std::chrono::steady_clock::now();
-    const ConjugateGradientReport report = solve(multigrid_, nullptr, {.tolerance = tolerance}, b_, workspace_, x_);
+    const test::ConjugateGradientReport report =
+        test::solve(multigrid_, nullptr, {.tolerance = tolerance}, b_, workspace_, x_);
     for_each_column(lattice(), [&](int first, int last) {
       for (std::size_t i = first * brick_values; i < last * brick_values; ++i) {
         moved_[i] = positions_[i] + x_[i];
@@ -147,7 +165,7 @@ class LinearStep {
   }
 
   Multigrid multigrid_;
-  ConjugateGradientWorkspace workspace_;
+  test::ConjugateGradientWorkspace workspace_;
   AlignedArray<float> stiffness_;
   AlignedArray<double> positions_, velocities_, b_, x_;
   AlignedArray<double> moved_{lattice().num_slots() * vector_components};
@@ -162,7 +180,7 @@ double peak_megabytes() {
 BenchRows linear_step(const std::string& what, const Vector3i& size, double bend, bool hard, int calls, double ms_limit,
                       double mb_limit, const std::string& aim) {
   LinearStep step(size, bend, hard);
-  ConjugateGradientReport report;
+  test::ConjugateGradientReport report;
   const std::vector<double> ms = time_calls(calls, [&] { report = step.run(1e-6); });
   const double least = ms.front(), median = ms[ms.size() / 2];
   const std::string remark = fmt::format("least {:.4g}, {} its to {:.1e}; rhs {:.1f}, set-up {:.1f}", least,

@@ -85,8 +85,6 @@ struct MultigridKernels {
   void (*block_jacobi)(const float* inverse, const float* b, float gain, float* x, int first, int last) = nullptr;
   /// p = z + beta p.
   void (*turn)(const float* z, float beta, float* p, int first, int last) = nullptr;
-  /// x += alpha p, r -= alpha q; returns r . r.
-  double (*advance)(const float* p, const float* q, float alpha, float* x, float* r, int first, int last) = nullptr;
   /// Over strips.
   void (*sweep_strips)(const StripSweep&, int first, int last) = nullptr;
 };

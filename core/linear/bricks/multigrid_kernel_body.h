@@ -181,21 +181,6 @@ inline void turn(const float* z, float beta, float* p, int first, int last) {
     store<float>(p + i, load<float>(z + i) + beta * load<float>(p + i));
 }
 
-inline double advance(const float* p, const float* q, float alpha, float* x, float* r, int first, int last) {
-  double total = 0;
-  for (int index = first; index < last; ++index) {
-    F sum{};
-    for (std::size_t i = index * brick_values; i < (index + 1) * brick_values; i += width<float>) {
-      store<float>(x + i, load<float>(x + i) + alpha * load<float>(p + i));
-      const F next = load<float>(r + i) - alpha * load<float>(q + i);
-      store<float>(r + i, next);
-      sum = multiply_add(next, next, sum);
-    }
-    total += sum_of_lanes<float>(sum);
-  }
-  return total;
-}
-
 inline void sweep_strips(const StripSweep& sweep, int first, int last) {
   const Strips& strips = sweep.strips;
   for (int s = first; s < last; ++s) {
@@ -224,6 +209,6 @@ inline void sweep_strips(const StripSweep& sweep, int first, int last) {
 extern const MultigridKernels more_kernels;
 constexpr MultigridKernels more_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
                                            restrict_nodes<1>, prolong,        block_jacobi,   turn,
-                                           advance,           sweep_strips};
+                                           sweep_strips};
 
 }  // namespace umax::UMAX_SIMD

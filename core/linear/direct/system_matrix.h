@@ -44,7 +44,4 @@ void add_element(Eigen::Index hex, const Matrix24d& element, SystemMatrix& matri
 /// Adds every hex's matrix: fill(hex, element) is called in parallel, the sums are in the order of the hexes.
 void add_elements(SystemMatrix& matrix, const std::function<void(Eigen::Index, Matrix24d&)>& fill);
 
-/// y = A x for x of 3 #N.
-VectorXd multiply(const SystemMatrix& matrix, const VectorXd& x);
-
 }  // namespace umax

@@ -296,18 +296,4 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray
   return z;
 }
 
-std::size_t memory(const Multigrid& multigrid) {
-  std::size_t bytes = 0;
-  for (const MultigridLevel& level : multigrid.levels) {
-    bytes += sizeof(float) * (level.matrix.frames.size() + level.matrix.diagonal.size() + level.inverse.size() +
-                              level.b.size() + level.x[0].size() + level.x[1].size());
-    bytes += sizeof(Brick) * level.lattice().bricks.size() + 4 * level.lattice().cell_masks.size() +
-             sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
-  }
-  bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +
-           multigrid.stiff_cells.rows.size() * (sizeof(StiffCells::Rows) + sizeof(std::array<int, 64>)) +
-           sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
-  return bytes + sizeof(double) * multigrid.dense_slots.size() * multigrid.dense_slots.size() * 9;
-}
-
 }  // namespace umax

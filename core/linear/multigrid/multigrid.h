@@ -57,7 +57,4 @@ void set_up(Multigrid& multigrid);
 /// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);
 
-/// Bytes that it has allocated.
-std::size_t memory(const Multigrid& multigrid);
-
 }  // namespace umax

@@ -1,17 +1,17 @@
-#include "core/linear/multigrid/conjugate_gradient.h"
+#include "tests/support/conjugate_gradient.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace umax {
+namespace umax::test {
 namespace {
 
+constexpr std::size_t brick_values = brick_slots * vector_components;
 constexpr double replacement = 1e-3;  // fall of the residual after which it is computed anew
 
 // x += step, step = 0, residual = b - A x; returns its norm
 double replace_residual(const MultigridLevel& level, const HexMatrix<double>* exact, const AlignedArray<double>& b,
                         ConjugateGradientWorkspace& workspace, AlignedArray<double>& x) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
   for_each_column(level.lattice(), [&](int first, int last) {
     for (std::size_t i = first * brick_values; i < last * brick_values; ++i) {
       x[i] += double(workspace.step[i]);
@@ -21,6 +21,26 @@ double replace_residual(const MultigridLevel& level, const HexMatrix<double>* ex
   });
   return std::sqrt(exact ? residual(level.op, *exact, b, x, workspace.residual)
                          : residual(level.op, level.matrix, b, x, workspace.residual));
+}
+
+// x += alpha p, r -= alpha q; returns r . r
+double advance(const BrickLattice& lattice, const AlignedArray<float>& p, const AlignedArray<float>& q, float alpha,
+               AlignedArray<float>& x, AlignedArray<float>& r) {
+  return for_each_column(lattice, [&](int first, int last) {
+    double total = 0;
+    for (int brick = first; brick < last; ++brick) {
+      float sums[brick_lanes] = {};
+      for (std::size_t i = brick * brick_values; i < (brick + 1) * brick_values; i += brick_lanes) {
+        float next[brick_lanes];
+        for (int lane = 0; lane < brick_lanes; ++lane) x[i + lane] += alpha * p[i + lane];
+        for (int lane = 0; lane < brick_lanes; ++lane) next[lane] = r[i + lane] - alpha * q[i + lane];
+        for (int lane = 0; lane < brick_lanes; ++lane) sums[lane] += next[lane] * next[lane];
+        std::copy_n(next, brick_lanes, &r[i]);
+      }
+      for (const float sum : sums) total += double(sum);
+    }
+    return total;
+  });
 }
 
 }  // namespace
@@ -54,9 +74,7 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
     });
     AlignedArray<float>& q = level.x[0];  // the preconditioner is done with it
     const float alpha = float(rz / apply(level.op, level.matrix, p, q));
-    const double norm = std::sqrt(for_each_column(level.lattice(), [&](int first, int last) {
-      return kernels.advance(p.data(), q.data(), alpha, step.data(), r.data(), first, last);
-    }));
+    const double norm = std::sqrt(advance(level.lattice(), p, q, alpha, step, r));
     if (norm <= std::max(wanted, replacement * true_norm)) true_norm = replace_residual(level, exact, b, workspace, x);
   }
   if (report.iterations == options.max_iterations) true_norm = replace_residual(level, exact, b, workspace, x);
@@ -65,4 +83,4 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
   return report;
 }
 
-}  // namespace umax
+}  // namespace umax::test

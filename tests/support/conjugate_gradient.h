@@ -4,7 +4,7 @@
 
 #include "core/linear/multigrid/multigrid.h"
 
-namespace umax {
+namespace umax::test {
 
 struct ConjugateGradientOptions {
   double tolerance = 1e-6;   // [-] on |b - A x| / |b|, checked in double
@@ -29,4 +29,4 @@ ConjugateGradientReport solve(Multigrid& multigrid, const HexMatrix<double>* exa
                               const ConjugateGradientOptions& options, const AlignedArray<double>& b,
                               ConjugateGradientWorkspace& workspace, AlignedArray<double>& x);
 
-}  // namespace umax
+}  // namespace umax::test
