@@ -2,21 +2,16 @@
 
 #include <initializer_list>
 
-#include "core/linear/bricks/multigrid_kernel.h"
-
 namespace umax {
 namespace portable {
 extern const HexKernels kernels;
-extern const MultigridKernels more_kernels;
 }  // namespace portable
 #ifdef UMAX_X86_KERNELS
 namespace avx2 {
 extern const HexKernels kernels;
-extern const MultigridKernels more_kernels;
 }  // namespace avx2
 namespace avx512 {
 extern const HexKernels kernels;
-extern const MultigridKernels more_kernels;
 }  // namespace avx512
 #endif
 
@@ -48,15 +43,6 @@ const HexKernels& hex_kernels(InstructionSet set) {
 #endif
   (void)set;
   return portable::kernels;
-}
-
-const MultigridKernels& multigrid_kernels(InstructionSet set) {
-#ifdef UMAX_X86_KERNELS
-  if (set == InstructionSet::avx512) return avx512::more_kernels;
-  if (set == InstructionSet::avx2) return avx2::more_kernels;
-#endif
-  (void)set;
-  return portable::more_kernels;
 }
 
 }  // namespace umax

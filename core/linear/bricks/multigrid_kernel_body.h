@@ -206,8 +206,8 @@ inline void sweep_strips(const StripSweep& sweep, int first, int last) {
   }
 }
 
-extern const MultigridKernels more_kernels;
-constexpr MultigridKernels more_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
+extern const MultigridKernels grid_kernels;
+constexpr MultigridKernels grid_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
                                            restrict_nodes<1>, prolong,        block_jacobi,   turn,
                                            sweep_strips};
 

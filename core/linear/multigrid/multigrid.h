@@ -1,18 +1,18 @@
 // Geometric multigrid for the matrix-free operator: an approximate inverse of A that is symmetric and positive
-// definite, for conjugate gradients.
+// definite, for use as a preconditioner (Briggs, Henson, McCormick, A Multigrid Tutorial, 2nd edition, 2000).
 //
 // A V-cycle. Coarse matrices are those of cells `factor` times larger (s: mean over the fine cells, 0 where there is
 // none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
-// Chebyshev polynomials in D^-1 A, D = 3 x 3 diagonal blocks, on [lambda / 8, lambda] with lambda the largest
-// eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are first coarsened along their short edges only.
-// The last level is factored (dense Cholesky). Single stiff hexes are solved for before and after (stiff_cells.h).
+// Chebyshev polynomials in D^-1 A (Adams, Brezina, Hu, Tuminaro 2003), D = 3 x 3 diagonal blocks, on
+// [lambda / 8, lambda] with lambda the largest eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are
+// first coarsened along their short edges only. The last level is factored (dense Cholesky). Single stiff hexes are
+// solved for before and after (stiff_cells.h).
 #pragma once
 
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "core/linear/bricks/hex_operator.h"
-#include "core/linear/bricks/multigrid_kernel.h"
+#include "core/linear/multigrid/multigrid_level.h"
 #include "core/linear/multigrid/stiff_cells.h"
 
 namespace umax {
@@ -21,21 +21,6 @@ struct MultigridOptions {
   int degree = 2;               // of the smoothing polynomials; more: fewer, dearer iterations
   double local_contrast = 100;  // [-] of a hex with its neighbours from which it is solved for by itself
   InstructionSet instruction_set = best_instruction_set();
-};
-
-struct MultigridLevel {
-  HexShape shape;
-  HexOperator op;  // with the lattice
-  HexMatrix<float> matrix;
-  AlignedArray<float> inverse;  // D^-1
-  AlignedArray<float> b;        // right-hand side; none on the first level
-  AlignedArray<float> x[2];     // iterates
-  std::vector<ChebyshevStep> steps;
-  Vector3i factor{2, 2, 2};             // to the next level
-  std::vector<BrickParents> parents;    // of the next level's bricks
-  std::vector<BrickChildren> children;  // of this level's bricks
-
-  const BrickLattice& lattice() const { return op.lattice; }
 };
 
 struct Multigrid {

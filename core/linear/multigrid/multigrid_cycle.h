@@ -1,4 +1,5 @@
-// The steps of a V-cycle, for those who put something between them (core/linear/saddle/term_multigrid.h).
+// A multigrid's V-cycle and the parts that it consists of: smoothing, restriction, prolongation, the coarsest solve.
+// The cycle of the saddle-point system (core/linear/saddle/term_multigrid.h) is made of the same parts.
 #pragma once
 
 #include "core/linear/multigrid/multigrid.h"
@@ -16,5 +17,9 @@ void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>&
 
 /// A^-1 b on the last level, which must be factored: in its first array.
 AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b);
+
+/// One V-cycle from this level on: x ~ A^-1 b, in one of the level's two arrays; `product` becomes b . x, but where the
+/// level is the last one and factored.
+AlignedArray<float>& v_cycle(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, double& product);
 
 }  // namespace umax
