@@ -33,7 +33,7 @@ void from_bricks(const Model::BodyRange& body, const std::vector<int>& slots, co
   });
 }
 
-const HexTerms& finest_terms(const BodyGrid& grid) {
+const RankOneTerms& finest_terms(const BodyGrid& grid) {
   return grid.terms.levels.front().terms;
 }
 
@@ -79,12 +79,12 @@ void set_up_matrix(const StepProblem& problem, const Model::BodyRange& body, con
   set_up(grid.multigrid);
 }
 
-void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridSystem& system) {
-  std::vector<std::vector<HexTerm>> of_body(system.bodies.size());
+void set_terms(const Model& model, const std::vector<RankOneTerm>& terms, MultigridSystem& system) {
+  std::vector<std::vector<RankOneTerm>> of_body(system.bodies.size());
   std::vector<std::vector<int>> sources(system.bodies.size());
   system.offset_force.setZero(3 * model.num_nodes());
   for (std::size_t t = 0; t < terms.size(); ++t) {
-    const HexTerm& term = terms[t];
+    const RankOneTerm& term = terms[t];
     const int b = model.hex_body[term.hex];
     of_body[b].push_back({term.hex - model.bodies[b].first_hex, term.vector, term.offset});
     sources[b].push_back(int(t));
@@ -96,8 +96,9 @@ void set_terms(const Model& model, const std::vector<HexTerm>& terms, MultigridS
     const Model::BodyRange& body = model.bodies[b];
     BodyGrid& grid = system.bodies[b];
     const MultigridLevel& level = grid.multigrid.levels.front();
-    HexTerms sorted = make_hex_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
-                                     body.first_node, grid.node_slots, level.matrix.diagonal);
+    RankOneTerms sorted =
+        make_rank_one_terms(of_body[b], body.cells, model.hexes.middleRows(body.first_hex, body.num_hexes),
+                            body.first_node, grid.node_slots, level.matrix.diagonal);
     for (int& source : sorted.sources) source = sources[b][source];
     set_up(grid.multigrid, std::move(sorted), grid.terms);
   }
@@ -116,7 +117,7 @@ MultigridSystem make_multigrid_system(const Model& model) {
 }
 
 void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
-            const std::vector<HexTerm>& terms, MultigridSystem& system) {
+            const std::vector<RankOneTerm>& terms, MultigridSystem& system) {
   for (std::size_t b = 0; b < system.bodies.size(); ++b)
     set_up_matrix(problem, problem.model->bodies[b], positions, stiffening, system.bodies[b]);
   set_terms(*problem.model, terms, system);

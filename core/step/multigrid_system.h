@@ -2,7 +2,7 @@
 //
 //   A = diag(m (1/h^2 + alpha/h)) + sum_e (1 + sum lambda/U_max + beta/h) R_e Y K R_e^T
 // R_e: of the hex's centre, K: of the whole energy. Rank-one terms of limits and the stiffness of contacts join as
-// HexTerms. Limits on parts stiffen by their share of the whole at most, so that theirs is an upper bound.
+// RankOneTerms. Limits on parts stiffen by their share of the whole at most, so that theirs is an upper bound.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ struct BodyGrid {
   std::vector<int> cell_slots, node_slots;
   AlignedArray<float> stiffness;   // per cell [Pa]
   AlignedArray<double> positions;  // per node [m]
-  TermMultigrid terms;
+  SaddlePointMultigrid terms;
   SaddlePoint point;  // in units of
   double unit = 0;    // [N] so that nothing leaves the range of float; 0: no force has come yet
 };
@@ -35,7 +35,7 @@ MultigridSystem make_multigrid_system(const Model& model);
 /// A at the positions. stiffening: #E, factors [-] on the hexes' stiffness beyond 1. terms: g g^T beside A, in any
 /// order, whose `hex` counts the model's hexes.
 void set_up(const StepProblem& problem, const Points& positions, const VectorXd& stiffening,
-            const std::vector<HexTerm>& terms, MultigridSystem& system);
+            const std::vector<RankOneTerm>& terms, MultigridSystem& system);
 
 /// Begins to solve A x + sum g (g . x + offset) = b from x = 0, for b of 3 #N, zero at fixed nodes.
 void begin(const Model& model, const VectorXd& b, MultigridSystem& system);

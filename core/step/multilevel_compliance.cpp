@@ -75,7 +75,7 @@ class Numbering {
 };
 
 // (A + G C^-1 G^T)^-1 between nodes of the last level
-MatrixXd last_inverse(const Multigrid& multigrid, const TermMultigrid& terms, const std::vector<int>& slots) {
+MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& terms, const std::vector<int>& slots) {
   const std::vector<int>& all = multigrid.dense_slots;
   std::vector<Eigen::Index> rows;
   for (const int slot : slots) rows.push_back(std::lower_bound(all.begin(), all.end(), slot) - all.begin());

@@ -98,13 +98,13 @@ std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate&
 // The contact's stiffness as terms g g^T, one for each direction that it has; their offsets are what the contact pushes
 // beyond the force that is known.
 void append_contact_terms(const Contact& contact, const ContactTerms& at, const Vector3d& known,
-                          std::vector<HexTerm>& terms) {
+                          std::vector<RankOneTerm>& terms) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(at.stiffness);
   for (int i = 0; i < 3; ++i) {
     const double stiffness = eigen.eigenvalues()[i];
     if (!(stiffness > negligible_direction * eigen.eigenvalues()[2])) continue;
     const Vector3d direction = eigen.eigenvectors().col(i);
-    HexTerm term;
+    RankOneTerm term;
     term.hex = contact.hex;
     for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = contact.weights[n] * std::sqrt(stiffness) * direction;
     term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
@@ -113,7 +113,7 @@ void append_contact_terms(const Contact& contact, const ContactTerms& at, const 
 }
 
 // The limit's rank-one term; its offset is what the limit pushes beyond its multiplier.
-HexTerm limit_term(const StepProblem& problem, const Iterate& iterate, const LimitTerms& at, Eigen::Index l) {
+RankOneTerm limit_term(const StepProblem& problem, const Iterate& iterate, const LimitTerms& at, Eigen::Index l) {
   const Model& model = *problem.model;
   const double known =
       model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.materials.limits[l] : 0;
@@ -127,7 +127,7 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
                       Workspace::Data& workspace) {
   const Model& model = *problem.model;
   VectorXd stiffening = VectorXd::Zero(model.num_hexes());
-  std::vector<HexTerm> terms;
+  std::vector<RankOneTerm> terms;
   for (std::size_t l = 0; l < at.limits.size(); ++l) {
     stiffening[model.limits[l].hex] += at.limits[l].stiffening;
     if (at.limits[l].rank_one > 0) terms.push_back(limit_term(problem, iterate, at.limits[l], Eigen::Index(l)));

@@ -215,7 +215,7 @@ TEST_CASE("solving single stiff hexes exactly reduces every error") {
                                                     .multipliers = multipliers,
                                                     .fix_low_x = true});
     const HexOperator op = make_hex_operator(system.bricks, system.shape);
-    const StiffCells cells = find_stiff_cells(op, system.matrix<float>(), system.shape.stiffness, 30);
+    const StiffCellSmoother cells = make_stiff_cell_smoother(op, system.matrix<float>(), system.shape.stiffness, 30);
     REQUIRE(cells.nodes.size() > 10);
 
     // power iteration on the error's propagation 1 - L A, in the norm of A: its largest eigenvalue stays below 1
@@ -245,8 +245,8 @@ TEST_CASE("stored rows of stiff hexes do what sweeps over the lattice do") {
                                                   .fix_low_x = true});
   const HexOperator op = make_hex_operator(system.bricks, system.shape);
   const HexMatrix<float> matrix = system.matrix<float>();
-  CHECK(find_stiff_cells(op, matrix, system.shape.stiffness, 30, 10).rows.empty());
-  const StiffCells cells = find_stiff_cells(op, matrix, system.shape.stiffness, 30, 1000);
+  CHECK(make_stiff_cell_smoother(op, matrix, system.shape.stiffness, 30, 10).rows.empty());
+  const StiffCellSmoother cells = make_stiff_cell_smoother(op, matrix, system.shape.stiffness, 30, 1000);
   REQUIRE(cells.rows.size() == cells.nodes.size());
   REQUIRE(cells.rows.size() > 10);
 
@@ -268,7 +268,7 @@ TEST_CASE("stored rows of stiff hexes do what sweeps over the lattice do") {
 
   AlignedArray<float> local_rest(r.size()), local(r.size());
   std::copy(r.begin(), r.end(), local_rest.begin());
-  const std::vector<StiffCells::Vector24f> before = correct_before(cells, r, local_rest);
+  const std::vector<StiffCellSmoother::Vector24f> before = correct_before(cells, r, local_rest);
   for (std::size_t i = 0; i < local.size(); ++i) local[i] = between * local_rest[i];
   const double gain = correct_after(cells, r, before, local);
   VectorXd expected_rest, expected, got_rest, got;
@@ -284,7 +284,7 @@ TEST_CASE("stored rows of stiff hexes do what sweeps over the lattice do") {
 TEST_CASE("a hex in an even cage is not solved for by itself") {
   const HexSystem system = test::make_hex_system(cases()[2].system);
   const HexOperator op = make_hex_operator(system.bricks, system.shape);
-  CHECK(find_stiff_cells(op, system.matrix<float>(), system.shape.stiffness, 30).nodes.empty());
+  CHECK(make_stiff_cell_smoother(op, system.matrix<float>(), system.shape.stiffness, 30).nodes.empty());
 }
 
 TEST_CASE("every instruction set solves the same system") {

@@ -16,11 +16,11 @@ using test::Resting;
 
 namespace {
 
-std::vector<HexTerm> random_terms(const Model& model, double least, double most) {
+std::vector<RankOneTerm> random_terms(const Model& model, double least, double most) {
   test::Random random(7);
-  std::vector<HexTerm> terms;
+  std::vector<RankOneTerm> terms;
   for (int hex = 0; hex < int(model.num_hexes()); hex += 3) {
-    HexTerm term;
+    RankOneTerm term;
     term.hex = hex;
     const double size = std::sqrt(least * std::pow(most / least, double(hex) / double(model.num_hexes())));
     for (int i = 0; i < 24; ++i) term.vector[i] = size * random.uniform(-1, 1);
@@ -30,23 +30,23 @@ std::vector<HexTerm> random_terms(const Model& model, double least, double most)
 }
 
 // each hex's strain along z
-std::vector<HexTerm> strain_terms(const Model& model) {
-  std::vector<HexTerm> terms;
+std::vector<RankOneTerm> strain_terms(const Model& model) {
+  std::vector<RankOneTerm> terms;
   for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
-    HexTerm term{hex, Vector24d::Zero(), 0};
+    RankOneTerm term{hex, Vector24d::Zero(), 0};
     for (int n = 0; n < 8; ++n) term.vector[3 * n + 2] = n & 1 ? 1e4 : -1e4;
     terms.push_back(term);
   }
   return terms;
 }
 
-VectorXd dense_term(const Model& model, const HexTerm& term) {
+VectorXd dense_term(const Model& model, const RankOneTerm& term) {
   VectorXd g = VectorXd::Zero(3 * model.num_nodes());
   for (int n = 0; n < 8; ++n) g.segment<3>(3 * model.hexes(term.hex, n)) = term.vector.segment<3>(3 * n);
   return g;
 }
 
-MultigridSystem system_at_rest(const Model& model, const std::vector<HexTerm>& terms) {
+MultigridSystem system_at_rest(const Model& model, const std::vector<RankOneTerm>& terms) {
   const StepOptions options;
   const State state = rest_state(model);
   const ContactGeometry geometry = make_contact_geometry(model);
@@ -73,13 +73,13 @@ Solved solve_from_rest(const Model& model, const VectorXd& b, const SaddlePointO
 
 TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
   const Model model = Resting().model;
-  const std::vector<HexTerm> terms = random_terms(model, 1e4, 1e10);
+  const std::vector<RankOneTerm> terms = random_terms(model, 1e4, 1e10);
   // 80: the multigrid sees less than a quarter of some motions, so that A0 has to be made smaller on the way
   const double stiffer = GENERATE(0., 80.);
   CAPTURE(stiffer);
   Resting resting(terms, stiffer);
   MatrixXd A = resting.matrix();
-  for (const HexTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
+  for (const RankOneTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
   test::Random random(3);
   VectorXd b(A.rows());
   for (double& value : b) value = random.uniform(-1, 1);
@@ -94,7 +94,7 @@ TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than t
 }
 
 TEST_CASE("forces that are added to a system are solved for with what solves before have left over") {
-  const std::vector<HexTerm> terms = random_terms(Resting().model, 1e4, 1e10);
+  const std::vector<RankOneTerm> terms = random_terms(Resting().model, 1e4, 1e10);
   Resting resting(terms);
   const Model& model = resting.model;
   test::Random random(3);
@@ -131,7 +131,7 @@ int bar_iterations(int finer, double tolerance, bool may_factor) {
   const Model model = make_model({test::make_block({5 * finer, 5 * finer, 24 * finer}, {0, 0, 0}, 0.1 / finer)}, {});
   MultigridSystem system = system_at_rest(model, strain_terms(model));
   if (!may_factor)
-    for (TermLevel& level : system.bodies.front().terms.levels) level.complement.is_factored = false;
+    for (SaddlePointLevel& level : system.bodies.front().terms.levels) level.complement.is_factored = false;
   test::Random random(5);
   VectorXd b(3 * model.num_nodes());
   for (double& value : b) value = random.uniform(-1, 1);
@@ -156,7 +156,7 @@ namespace {
 // S of the first level's terms, column by column
 MatrixXd dense_complement(const BodyGrid& grid) {
   const MultigridLevel& level = grid.multigrid.levels.front();
-  const HexTerms& terms = grid.terms.levels.front().terms;
+  const RankOneTerms& terms = grid.terms.levels.front().terms;
   const auto count = Eigen::Index(terms.vectors.size());
   AlignedArray<float> pushes(grid.positions.size()), moves(grid.positions.size());
   MatrixXd S(count, count);
@@ -179,17 +179,17 @@ MatrixXd dense_complement(const BodyGrid& grid) {
 }
 
 // the scaled S as the kernels apply it, times a unit vector
-VectorXd column_of_strips(const StripMatrix& S, InstructionSet set, Eigen::Index column) {
-  const auto strips = Eigen::Index(S.below.size());
-  VectorXf move = VectorXf::Zero(strips * strip_stride), next = move;
-  VectorXf rest = VectorXf::Zero(strips * brick_lanes), x = rest;
-  const int lane = S.lanes[std::size_t(column)] % brick_lanes, strip = S.lanes[std::size_t(column)] / brick_lanes;
-  move[strip * strip_stride + 1 + lane] = 1;
-  if (lane == 0 && S.below[strip] >= 0) move[S.below[strip] * strip_stride + brick_lanes + 1] = 1;
-  if (lane == brick_lanes - 1 && S.above[strip] >= 0) move[S.above[strip] * strip_stride] = 1;
-  StripSweep sweep{.strips = strips_of(S)};
+VectorXd column_of_slices(const SlicedEllMatrix& S, InstructionSet set, Eigen::Index column) {
+  const auto slices = Eigen::Index(S.below.size());
+  VectorXf move = VectorXf::Zero(slices * slice_stride), next = move;
+  VectorXf rest = VectorXf::Zero(slices * brick_lanes), x = rest;
+  const int lane = S.lanes[std::size_t(column)] % brick_lanes, slice = S.lanes[std::size_t(column)] / brick_lanes;
+  move[slice * slice_stride + 1 + lane] = 1;
+  if (lane == 0 && S.below[slice] >= 0) move[S.below[slice] * slice_stride + brick_lanes + 1] = 1;
+  if (lane == brick_lanes - 1 && S.above[slice] >= 0) move[S.above[slice] * slice_stride] = 1;
+  SliceSweep sweep{.slices = slices_of(S)};
   sweep.move = move.data(), sweep.next = next.data(), sweep.rest = rest.data(), sweep.x = x.data();
-  multigrid_kernels(set).sweep_strips(sweep, 0, int(strips));
+  multigrid_kernels(set).sweep_slices(sweep, 0, int(slices));
   VectorXd product(S.scale.size());
   for (Eigen::Index t = 0; t < product.size(); ++t) product[t] = -double(rest[S.lanes[std::size_t(t)]]);
   return product;
@@ -197,19 +197,19 @@ VectorXd column_of_strips(const StripMatrix& S, InstructionSet set, Eigen::Index
 
 }  // namespace
 
-TEST_CASE("strips of terms couple those that share a node, wherever their lines end and however many a hex has") {
+TEST_CASE("slices of terms couple those that share a node, wherever their lines end and however many a hex has") {
   const Model model = make_model({test::make_block({3, 4, 37}, {0, 0, 0}, 0.1)}, {});
   test::Random random(11);
-  std::vector<HexTerm> terms;
+  std::vector<RankOneTerm> terms;
   for (int hex = 0; hex < int(model.num_hexes()); ++hex)
     for (int layer = int(random.uniform(-2, 4)); layer > 0; --layer) {
-      HexTerm term{hex, Vector24d::Zero(), 0};
+      RankOneTerm term{hex, Vector24d::Zero(), 0};
       for (double& value : term.vector) value = random.uniform(-3e3, 3e3);
       terms.push_back(term);
     }
   REQUIRE(terms.size() > 300);
   const MultigridSystem system = system_at_rest(model, terms);
-  const StripMatrix& complement = system.bodies.front().terms.levels.front().complement.matrix;
+  const SlicedEllMatrix& complement = system.bodies.front().terms.levels.front().complement.matrix;
   const VectorXd scale = complement.scale.cast<double>();
   const MatrixXd scaled = scale.asDiagonal() * dense_complement(system.bodies.front()) * scale.asDiagonal();
   for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512}) {
@@ -217,15 +217,15 @@ TEST_CASE("strips of terms couple those that share a node, wherever their lines 
     CAPTURE(int(set));
     double error = 0;
     for (Eigen::Index t = 0; t < scaled.cols(); ++t)
-      error = std::max(error, (column_of_strips(complement, set, t) - scaled.col(t)).cwiseAbs().maxCoeff());
+      error = std::max(error, (column_of_slices(complement, set, t) - scaled.col(t)).cwiseAbs().maxCoeff());
     CHECK(error <= 3e-5);  // entries are multiples of 1 / 32767
   }
 }
 
-TEST_CASE("the complement of terms is what they do to each other through single nodes") {
+TEST_CASE("the Schur complement of terms is what they do to each other through single nodes") {
   Resting resting(random_terms(Resting().model, 1e4, 1e6));
   BodyGrid& grid = resting.system.bodies.front();
-  const TermLevel& level = grid.terms.levels.front();
+  const SaddlePointLevel& level = grid.terms.levels.front();
   const MatrixXd S = dense_complement(grid);
   const Eigen::Index count = S.cols();
   const VectorXd scale = level.complement.matrix.scale.cast<double>();
@@ -235,13 +235,13 @@ TEST_CASE("the complement of terms is what they do to each other through single 
   CHECK(largest <= double(level.complement.matrix.largest));
   CHECK(double(level.complement.matrix.largest) <= 2 * largest);
   const VectorXd x = VectorXd::LinSpaced(count, -1, 2).cwiseProduct(scale), b = S * x;
-  const auto left_over = [&](TermComplement complement) {
+  const auto left_over = [&](LimitSchurComplement complement) {
     const VectorXd solved = solve(complement, VectorXf(b.cast<float>())).cast<double>();
     return (S * solved - b).cwiseProduct(scale).norm() / b.cwiseProduct(scale).norm();
   };
   REQUIRE(level.complement.is_factored);
   CHECK(left_over(level.complement) <= 1e-3);
-  TermComplement many = level.complement;  // as where terms are too many for a factor: Chebyshev's steps
+  LimitSchurComplement many = level.complement;  // as where terms are too many for a factor: Chebyshev's steps
   many.is_factored = false;
   CHECK(left_over(many) <= 0.3);
 }
@@ -251,7 +251,7 @@ TEST_CASE("terms that are too many for a factor are solved for as those that hav
   const VectorXd b = VectorXd::LinSpaced(3 * resting.model.num_nodes(), -1, 2);
   const SaddlePointOptions options{.tolerance = 1e-7};
   const Solved factored = solve_from_rest(resting.model, b, options, resting.system);
-  for (TermLevel& level : resting.system.bodies.front().terms.levels) level.complement.is_factored = false;
+  for (SaddlePointLevel& level : resting.system.bodies.front().terms.levels) level.complement.is_factored = false;
   const Solved unfactored = solve_from_rest(resting.model, b, options, resting.system);
   CAPTURE(factored.iterations, unfactored.iterations);
   CHECK((unfactored.x - factored.x).norm() <= 1e-4 * factored.x.norm());
@@ -262,7 +262,7 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   Resting resting(random_terms(Resting().model, 1e4, 1e6));
   BodyGrid& grid = resting.system.bodies.front();
   REQUIRE(grid.terms.levels.size() >= 2);
-  const TermLevel &fine = grid.terms.levels[0], &coarse = grid.terms.levels[1];
+  const SaddlePointLevel &fine = grid.terms.levels[0], &coarse = grid.terms.levels[1];
   test::Random random(9);
   MultigridLevel &fine_grid = grid.multigrid.levels[0], &coarse_grid = grid.multigrid.levels[1];
   for (std::size_t slot = 0; slot < coarse_grid.lattice().num_slots(); ++slot)
@@ -330,11 +330,11 @@ TEST_CASE("terms of hexes that lie millions of cells apart are told from each ot
 
 TEST_CASE("terms hold what they measure at their offsets") {
   const Model model = Resting().model;
-  std::vector<HexTerm> terms = random_terms(model, 1e4, 1e6);
+  std::vector<RankOneTerm> terms = random_terms(model, 1e4, 1e6);
   Resting without(terms);
   test::Random random(11);
   VectorXd b = VectorXd::Ones(3 * model.num_nodes()), with_forces = b;
-  for (HexTerm& term : terms) {
+  for (RankOneTerm& term : terms) {
     term.offset = random.uniform(-1, 1);
     with_forces -= term.offset * dense_term(model, term);
   }

@@ -21,7 +21,7 @@ struct Resting {
   MultigridSystem system = make_multigrid_system(model);
 
   // every seventh hex is `stiffer` times as stiff, and one more
-  explicit Resting(const std::vector<HexTerm>& terms = {}, double stiffer = 0) {
+  explicit Resting(const std::vector<RankOneTerm>& terms = {}, double stiffer = 0) {
     const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
     add_contacts(problem.contact, pushed_in, 0, contacts);
     REQUIRE(contacts.size() == 48);

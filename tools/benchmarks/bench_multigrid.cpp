@@ -72,9 +72,10 @@ std::size_t memory(const Multigrid& multigrid) {
     bytes += sizeof(Brick) * level.lattice().bricks.size() + 4 * level.lattice().cell_masks.size() +
              sizeof(BrickParents) * level.parents.size() + sizeof(BrickChildren) * level.children.size();
   }
-  bytes += multigrid.stiff_cells.nodes.size() * (sizeof(StiffCells::Matrix24f) + sizeof(std::array<int, 8>)) +
-           multigrid.stiff_cells.rows.size() * (sizeof(StiffCells::Rows) + sizeof(std::array<int, 64>)) +
-           sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
+  bytes +=
+      multigrid.stiff_cell_smoother.nodes.size() * (sizeof(StiffCellSmoother::Matrix24f) + sizeof(std::array<int, 8>)) +
+      multigrid.stiff_cell_smoother.rows.size() * (sizeof(StiffCellSmoother::Rows) + sizeof(std::array<int, 64>)) +
+      sizeof(float) * (multigrid.corrected.size() + multigrid.rest.size());
   return bytes + sizeof(double) * multigrid.dense_slots.size() * multigrid.dense_slots.size() * 9;
 }
 

@@ -1,4 +1,5 @@
-// Arrays that begin on a cache line, filled with zeros, in huge pages where the system has them.
+// A fixed-size array of numbers for vector instructions: it begins on a cache line, is filled with zeros, and stands in
+// huge pages where the system has them.
 #pragma once
 
 #include <cstddef>

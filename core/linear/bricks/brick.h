@@ -1,5 +1,6 @@
-// A brick: 8 x 8 lines of 16 lattice points along z, the unit in which fine cages are stored. Plain data, which the
-// kernels of every instruction set read: this header includes nothing that could end up compiled for one of them.
+// A brick: 8 x 8 lines of 16 lattice points along z, the unit in which the matrix-free solver stores a fine cage. Plain
+// data, which the kernels of every instruction set read: this header includes nothing that could end up compiled for
+// one of them.
 //
 // A brick owns the nodes (I, J, K) with I / 8, J / 8, K / 16 equal to its place, and the cells of the same numbers.
 // Values stand line by line (8 i + j), in a line component by component, in a component 16 lanes along z.

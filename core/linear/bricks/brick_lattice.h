@@ -1,4 +1,7 @@
-// A regular lattice stored in bricks (core/linear/bricks/brick.h), only those that have nodes: what the matrix-free operator runs on.
+// A regular lattice of cells and nodes in bricks (core/linear/bricks/brick.h), of which only those are stored that have
+// nodes: what the matrix-free operator runs on.
+//
+// A slot numbers one node or cell: 1024 brick + 16 (8 i + j) + k.
 #pragma once
 
 #include <algorithm>

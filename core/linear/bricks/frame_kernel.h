@@ -1,4 +1,6 @@
-// Rotations of cells: from positions, and of coarse cells from fine ones. Part of the kernels' one source.
+// Inner loops that find the rotations of cells: from the positions of their nodes, and for a coarse cell from the fine
+// ones in it. Polar factors by Newton's iteration (Higham 1986, Computing the polar decomposition). Compiled once for
+// each instruction set, with core/linear/bricks/multigrid_kernel_body.h.
 #pragma once
 
 #include "core/linear/bricks/multigrid_kernel.h"

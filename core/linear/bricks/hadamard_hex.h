@@ -1,4 +1,5 @@
-// A box-shaped hex in the Walsh-Hadamard basis of its nodes, and what multigrid needs to know of one.
+// The stiffness of a box-shaped hex in the Walsh-Hadamard basis of its nodes (8 vectors of signs: translation, strains
+// and hourglass modes, as Flanagan and Belytschko 1981 use them), in which few entries are not zero.
 #pragma once
 
 #include "core/element/hexahedron.h"

@@ -1,5 +1,5 @@
-// What a vector of hexes does: node values in, forces out, in the Walsh-Hadamard basis. Part of the kernels' one
-// source.
+// The product of a hex's stiffness with its nodes' values, for a vector of hexes at once, in the Walsh-Hadamard basis.
+// Compiled once for each instruction set, with core/linear/bricks/hex_kernel_body.h.
 #pragma once
 
 #include "core/linear/bricks/hex_kernel.h"

@@ -1,4 +1,5 @@
-// The one source of the kernels: hex_kernel_<instruction set>.cpp includes it under its own compiler options.
+// The sweep over bricks that applies the matrix-free operator (core/linear/bricks/hex_kernel.h says what it computes):
+// hex_kernel_<instruction set>.cpp compile this one source under their own compiler options.
 #pragma once
 
 #include "core/linear/bricks/hex_cell_kernel.h"

@@ -1,7 +1,9 @@
-// The step's matrix without the matrix:  A = diag(w) + sum_e s_e Y R_e K R_e^T  on a lattice of bricks.
+// The linear system's matrix as an operator that is applied and never stored: stiffness of rotated hexes (corotational,
+// Mueller and Gross 2004) and a diagonal, on a lattice of bricks.
 //
-// Node vectors stand in bricks (core/linear/bricks/brick.h), zero at nodes that are fixed or not there; the result is zero there too.
-// Deterministic: the same bits for any number of threads; another instruction set gives another rounding.
+//   A = diag(w) + sum_e s_e Y R_e K R_e^T
+// Node vectors stand in bricks (core/linear/bricks/brick.h), zero at nodes that are fixed or not there; the result is
+// zero there too. Deterministic: the same bits for any number of threads; another instruction set rounds differently.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
-// The inner loops of multigrid and of conjugate gradients beside the operator's sweeps (core/linear/bricks/hex_kernel.h), compiled
-// for each instruction set like those. All run over the bricks [first, last), whole columns; arrays are in bricks.
+// The inner loops of multigrid beside the operator's sweeps (core/linear/bricks/hex_kernel.h): smoothing, going from
+// grid to grid, finding rotations; compiled for each instruction set like those. All but the last run over the bricks
+// [first, last), whole columns; arrays are in bricks.
 #pragma once
 
 #include "core/linear/bricks/hex_kernel.h"
@@ -52,20 +53,20 @@ struct RotationSearch {
   std::uint16_t* unresolved = nullptr;  // as in FrameCoarsening
 };
 
-/// Strips of 16 unknowns each, in vectors with a lane more on both sides, which has the value of the strips below and
-/// above: a matrix with ones on its diagonal adds to a strip products of 16 entries with 16 consecutive lanes.
-inline constexpr int strip_stride = brick_lanes + 2;
-struct Strips {
-  const std::int32_t *below = nullptr, *above = nullptr;  // strips, -1: none
-  const std::int32_t* starts = nullptr;                   // of a strip's entries, and the end
+/// Slices of 16 unknowns each, in vectors with a lane more on both sides, which has the value of the slices below and
+/// above: a matrix with ones on its diagonal adds to a slice products of 16 entries with 16 consecutive lanes.
+inline constexpr int slice_stride = brick_lanes + 2;
+struct EllSlices {
+  const std::int32_t *below = nullptr, *above = nullptr;  // slices, -1: none
+  const std::int32_t* starts = nullptr;                   // of a slice's entries, and the end
   const std::int32_t* places = nullptr;                   // of an entry: where the lanes begin that it multiplies
   const std::int16_t* entries = nullptr;                  // 16 each
   float unit = 0;                                         // that they are multiples of
 };
 /// A step of Chebyshev's iteration: rest -= S move, next = momentum move + gain rest, x += next; move and next with the
 /// lanes beside.
-struct StripSweep {
-  Strips strips;
+struct SliceSweep {
+  EllSlices slices;
   const float* move = nullptr;
   float *next = nullptr, *rest = nullptr, *x = nullptr;
   float momentum = 0, gain = 0;
@@ -85,8 +86,8 @@ struct MultigridKernels {
   void (*block_jacobi)(const float* inverse, const float* b, float gain, float* x, int first, int last) = nullptr;
   /// p = z + beta p.
   void (*turn)(const float* z, float beta, float* p, int first, int last) = nullptr;
-  /// Over strips.
-  void (*sweep_strips)(const StripSweep&, int first, int last) = nullptr;
+  /// Over slices.
+  void (*sweep_slices)(const SliceSweep&, int first, int last) = nullptr;
 };
 
 const MultigridKernels& multigrid_kernels(InstructionSet set);

@@ -1,4 +1,5 @@
-// The one source of these kernels: hex_kernel_<instruction set>.cpp includes it under its own compiler options.
+// The loops that core/linear/bricks/multigrid_kernel.h declares: hex_kernel_<instruction set>.cpp compile this one
+// source under their own compiler options.
 #pragma once
 
 #include "core/linear/bricks/frame_kernel.h"
@@ -181,34 +182,34 @@ inline void turn(const float* z, float beta, float* p, int first, int last) {
     store<float>(p + i, load<float>(z + i) + beta * load<float>(p + i));
 }
 
-inline void sweep_strips(const StripSweep& sweep, int first, int last) {
-  const Strips& strips = sweep.strips;
+inline void sweep_slices(const SliceSweep& sweep, int first, int last) {
+  const EllSlices& slices = sweep.slices;
   for (int s = first; s < last; ++s) {
     F sums[vectors<float>] = {};
-    for (std::int32_t e = strips.starts[s]; e < strips.starts[s + 1]; ++e)
+    for (std::int32_t e = slices.starts[s]; e < slices.starts[s + 1]; ++e)
       for (int v = 0; v < vectors<float>; ++v)
-        sums[v] = multiply_add(load_short(strips.entries + std::size_t(e) * brick_lanes + v * width<float>),
-                               load<float>(sweep.move + strips.places[e] + v * width<float>), sums[v]);
-    const std::size_t inner = std::size_t(s) * brick_lanes, outer = std::size_t(s) * strip_stride + 1;
+        sums[v] = multiply_add(load_short(slices.entries + std::size_t(e) * brick_lanes + v * width<float>),
+                               load<float>(sweep.move + slices.places[e] + v * width<float>), sums[v]);
+    const std::size_t inner = std::size_t(s) * brick_lanes, outer = std::size_t(s) * slice_stride + 1;
     for (int v = 0; v < vectors<float>; ++v) {
       const std::size_t lane = std::size_t(v) * width<float>;
       const F move = load<float>(sweep.move + outer + lane);
-      const F rest = load<float>(sweep.rest + inner + lane) - (move + strips.unit * sums[v]);
+      const F rest = load<float>(sweep.rest + inner + lane) - (move + slices.unit * sums[v]);
       const F next = sweep.momentum * move + sweep.gain * rest;
       store<float>(sweep.rest + inner + lane, rest);
       store<float>(sweep.next + outer + lane, next);
       store<float>(sweep.x + inner + lane, load<float>(sweep.x + inner + lane) + next);
     }
-    if (strips.below[s] >= 0)
-      sweep.next[std::size_t(strips.below[s]) * strip_stride + brick_lanes + 1] = sweep.next[outer];
-    if (strips.above[s] >= 0)
-      sweep.next[std::size_t(strips.above[s]) * strip_stride] = sweep.next[outer + brick_lanes - 1];
+    if (slices.below[s] >= 0)
+      sweep.next[std::size_t(slices.below[s]) * slice_stride + brick_lanes + 1] = sweep.next[outer];
+    if (slices.above[s] >= 0)
+      sweep.next[std::size_t(slices.above[s]) * slice_stride] = sweep.next[outer + brick_lanes - 1];
   }
 }
 
 extern const MultigridKernels grid_kernels;
 constexpr MultigridKernels grid_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
                                            restrict_nodes<1>, prolong,        block_jacobi,   turn,
-                                           sweep_strips};
+                                           sweep_slices};
 
 }  // namespace umax::UMAX_SIMD

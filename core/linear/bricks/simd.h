@@ -1,5 +1,6 @@
-// Vectors of the instruction set that the including file is compiled for; only the kernels include this.
-// Everything stands in namespace umax::UMAX_SIMD, so that no function of one instruction set is linked for another.
+// Vectors of numbers as wide as the instruction set that the including file is compiled for, and their operations; only
+// the kernels include this. Everything stands in namespace umax::UMAX_SIMD, so that no function of one instruction set
+// is linked for another.
 #pragma once
 
 #include <cstddef>

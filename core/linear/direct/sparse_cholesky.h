@@ -1,4 +1,5 @@
-// Sparse Cholesky factorisation with the symbolic analysis kept: the direct linear solver.
+// The direct linear solver: a sparse Cholesky factorisation (CHOLMOD; Chen, Davis, Hager, Rajamanickam 2008) whose
+// symbolic analysis is kept from step to step.
 #pragma once
 
 #include <Eigen/SparseCore>

@@ -1,5 +1,6 @@
 // The Cholesky factor of a sparse matrix for very many solves with one right-hand side each, as preconditioners need:
-// single precision, independent subtrees of the elimination tree in parallel, products instead of triangular solves.
+// single precision, independent subtrees of the elimination tree in parallel, products instead of triangular solves
+// (selective inversion, Raghavan 1998; supernodes: Davis, Direct Methods for Sparse Linear Systems, 2006).
 //
 // L in supernodes, columns with the same rows below them. Of each: L_11^-1 and L_21, dense.
 //   forward   y_1 = L_11^-1 b_1,  b_2 -= L_21 y_1;      backward   x_1 = L_11^-T (y_1 - L_21^T x_2)

@@ -1,6 +1,6 @@
-// The symmetric matrix of the step: 3 x 3 blocks between nodes that share a hex, lower triangle, compressed columns.
-// Its rows and columns stand in elimination order, 3 rank + axis; vectors outside of it are by node, 3 node + axis.
-// Fixed nodes keep their rows as identity, so that the pattern never changes.
+// The assembled matrix of a step, for the direct solver: symmetric, 3 x 3 blocks between nodes that share a hex, lower
+// triangle, compressed columns. Its rows and columns stand in elimination order, 3 rank + axis; vectors outside of it
+// are by node, 3 node + axis. Fixed nodes keep their rows as identity, so that the pattern never changes.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Chebyshev's iteration: the coefficients of a smoother's or solver's steps for eigenvalues in a given interval.
+// Chebyshev's iteration, as smoother and as solver: the coefficients of its steps for eigenvalues in a given interval.
 //
 //   Saad, Iterative Methods for Sparse Linear Systems (2nd edition, 2003), Algorithm 12.1:
 //   d_0 = r_0 / theta,  d_n = rho_n rho_{n-1} d_{n-1} + 2 rho_n / delta r_n,  x_{n+1} = x_n + d_n

@@ -103,9 +103,10 @@ void set_up(Multigrid& multigrid) {
   }
   const MultigridLevel& finest = multigrid.levels.front();
   if (multigrid.levels.size() > 1)
-    multigrid.stiff_cells = find_stiff_cells(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast,
-                                             Eigen::Index(stored_rows * double(finest.lattice().num_nodes)));
-  const StiffCells& stiff = multigrid.stiff_cells;
+    multigrid.stiff_cell_smoother =
+        make_stiff_cell_smoother(finest.op, finest.matrix, finest.shape.stiffness, multigrid.local_contrast,
+                                 Eigen::Index(stored_rows * double(finest.lattice().num_nodes)));
+  const StiffCellSmoother& stiff = multigrid.stiff_cell_smoother;
   if (!stiff.nodes.empty() && multigrid.rest.size() == 0) multigrid.rest = AlignedArray<float>(finest.x[0].size());
   if (!stiff.nodes.empty() && stiff.rows.empty() && multigrid.corrected.size() == 0)
     multigrid.corrected = AlignedArray<float>(finest.x[0].size());
@@ -114,7 +115,7 @@ void set_up(Multigrid& multigrid) {
 
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product) {
   const MultigridLevel& level = multigrid.levels.front();
-  const StiffCells& stiff = multigrid.stiff_cells;
+  const StiffCellSmoother& stiff = multigrid.stiff_cell_smoother;
   if (stiff.nodes.empty()) {
     const AlignedArray<float>& z = v_cycle(multigrid, 0, r, product);
     if (multigrid.levels.size() == 1) product = dot(level.lattice(), r, z);
@@ -123,7 +124,7 @@ const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray
   // local solves, V-cycle, local solves, each on what the one before has left: symmetric
   if (!stiff.rows.empty()) {
     copy(level.lattice(), r, multigrid.rest);
-    const std::vector<StiffCells::Vector24f> before = correct_before(stiff, r, multigrid.rest);
+    const std::vector<StiffCellSmoother::Vector24f> before = correct_before(stiff, r, multigrid.rest);
     AlignedArray<float>& z = v_cycle(multigrid, 0, multigrid.rest, product);
     product += correct_after(stiff, r, before, z);
     return z;

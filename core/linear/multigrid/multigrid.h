@@ -6,14 +6,14 @@
 // Chebyshev polynomials in D^-1 A (Adams, Brezina, Hu, Tuminaro 2003), D = 3 x 3 diagonal blocks, on
 // [lambda / 8, lambda] with lambda the largest eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are
 // first coarsened along their short edges only. The last level is factored (dense Cholesky). Single stiff hexes are
-// solved for before and after (stiff_cells.h).
+// solved for before and after (stiff_cell_smoother.h).
 #pragma once
 
 #include <Eigen/Cholesky>
 #include <vector>
 
 #include "core/linear/multigrid/multigrid_level.h"
-#include "core/linear/multigrid/stiff_cells.h"
+#include "core/linear/multigrid/stiff_cell_smoother.h"
 
 namespace umax {
 
@@ -29,8 +29,8 @@ struct Multigrid {
   bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
   Eigen::LLT<MatrixXd> dense;
   double local_contrast = 0;
-  StiffCells stiff_cells;               // of the finest level
-  AlignedArray<float> corrected, rest;  // iterate and residual around the V-cycle, where there are stiff cells
+  StiffCellSmoother stiff_cell_smoother;  // of the finest level
+  AlignedArray<float> corrected, rest;    // iterate and residual around the V-cycle, where there are stiff cells
 };
 
 /// Topology and memory for a lattice, whose cells have all the same Poisson's ratio.

@@ -1,5 +1,5 @@
 // A multigrid's V-cycle and the parts that it consists of: smoothing, restriction, prolongation, the coarsest solve.
-// The cycle of the saddle-point system (core/linear/saddle/term_multigrid.h) is made of the same parts.
+// The cycle of the saddle-point system (core/linear/saddle/saddle_point_multigrid.h) is made of the same parts.
 #pragma once
 
 #include "core/linear/multigrid/multigrid.h"

@@ -154,11 +154,11 @@ void begin(const VectorXd& c, SaddlePoint& point) {
   point.num_directions = 0;
 }
 
-SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& coupled, const SaddlePointOptions& options,
+SaddlePointReport solve(Multigrid& multigrid, SaddlePointMultigrid& coupled, const SaddlePointOptions& options,
                         SaddlePoint& point) {
   MultigridLevel& level = multigrid.levels.front();
   const BrickLattice& lattice = level.lattice();
-  const HexTerms& terms = coupled.levels.front().terms;
+  const RankOneTerms& terms = coupled.levels.front().terms;
   const double weight = coupled.weight;
   if (!point.pushed && point.error <= options.tolerance) return {0, point.error, point.error};
   double norm = advance(lattice, weight, point.pushed ? kept(point) : std::vector<const Direction*>{}, point);

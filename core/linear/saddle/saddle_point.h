@@ -1,16 +1,17 @@
-// Solves  (A + G G^T) x = b + G c  as the saddle-point system
+// The solver of linear systems with rank-one terms,  (A + G G^T) x = b + G c,  in the form of a saddle point (Benzi,
+// Golub, Liesen 2005, Numerical solution of saddle point problems)
 //
 //   [ A    G ] [x]   [b]
 //   [ G^T -I ] [y] = [c]
-// with conjugate residuals, preconditioned by its multigrid (core/linear/saddle/term_multigrid.h): generalised, as the cycle is no
-// symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). Where a residual's direction leads nowhere, the
-// next one is that of the last image, as in Arnoldi's method. The count of iterations depends little on how stiff the
-// terms G are, and on the number of hexes.
+// Conjugate residuals, preconditioned by its multigrid (core/linear/saddle/saddle_point_multigrid.h): generalised, as
+// the cycle is no symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). Where a residual's direction leads
+// nowhere, the next one is that of the last image, as in Arnoldi's method. The count of iterations depends little on
+// how stiff the terms G are, and on the number of hexes.
 #pragma once
 
 #include <array>
 
-#include "core/linear/saddle/term_multigrid.h"
+#include "core/linear/saddle/saddle_point_multigrid.h"
 
 namespace umax {
 
@@ -49,7 +50,7 @@ void begin(const VectorXd& c, SaddlePoint& point);
 /// Improves x and y with the finest level's matrix and the terms that set_up() has seen. Whoever adds to b adds to the
 /// residual, zero at nodes that are not free, says so (pushed), and solves on: what solves before have left over is
 /// made good by those that follow.
-SaddlePointReport solve(Multigrid& multigrid, TermMultigrid& terms, const SaddlePointOptions& options,
+SaddlePointReport solve(Multigrid& multigrid, SaddlePointMultigrid& terms, const SaddlePointOptions& options,
                         SaddlePoint& point);
 
 }  // namespace umax

@@ -1,4 +1,5 @@
-// What couples the multipliers of terms in a smoothing step, the Schur complement
+// The Schur complement of the saddle-point system (Benzi, Golub, Liesen 2005, Section 5) with A's diagonal blocks in
+// A's place: how the multipliers of energy limits depend on each other in a smoothing step of its multigrid.
 //
 //   S = C + w G^T D^-1 G,   C: diagonal; D: 3 x 3 diagonal blocks of A
 // It has entries for hexes that share a node. Where multipliers hold each other in balance along a line of hexes it is
@@ -7,20 +8,21 @@
 
 #include "core/linear/direct/supernodal_factor.h"
 #include "core/linear/multigrid/multigrid.h"
-#include "core/linear/saddle/strip_matrix.h"
+#include "core/linear/saddle/sliced_ell_matrix.h"
 
 namespace umax {
 
-struct TermComplement {
-  StripMatrix matrix;
+struct LimitSchurComplement {
+  SlicedEllMatrix matrix;
   bool is_factored = false;
   SupernodalFactor factor;  // of the scaled matrix
 };
 
 /// For terms on the level's lattice, whose matrix and inverse are known; own: C.
-void set_up(const MultigridLevel& level, const HexTerms& terms, const VectorXf& own, float w, TermComplement& S);
+void set_up(const MultigridLevel& level, const RankOneTerms& terms, const VectorXf& own, float w,
+            LimitSchurComplement& S);
 
 /// S^-1 b, where terms are many nearly.
-VectorXf solve(TermComplement& S, const VectorXf& b);
+VectorXf solve(LimitSchurComplement& S, const VectorXf& b);
 
 }  // namespace umax

@@ -1,4 +1,4 @@
-#include "core/linear/saddle/term_multigrid.h"
+#include "core/linear/saddle/saddle_point_multigrid.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ constexpr int smoothings = 2;           // before the coarser level, and after i
 constexpr int coarsest_smoothings = 8;  // where the last level is not factored
 constexpr Eigen::Index most_dense_terms = 1000;  // on the last level, for it to be factored
 
-using Vector24f = HexTerms::Vector24f;
+using Vector24f = RankOneTerms::Vector24f;
 
 // P^T g is G W, G: g as 3 x 8; W(n, m) for a cell at `place`, one of corner(), in its coarse cell
 using Weights = Eigen::Matrix<float, 8, 8>;
@@ -28,8 +28,9 @@ std::array<Weights, 8> restriction_weights(const Vector3i& factor) {
 }
 
 // fills fine.parents
-TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid, TermLevel& fine) {
-  const std::vector<HexTerms::Hex>& hexes = fine.terms.hexes;
+SaddlePointLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& coarse_grid,
+                               SaddlePointLevel& fine) {
+  const std::vector<RankOneTerms::Hex>& hexes = fine.terms.hexes;
   const auto parent = [&](int h) -> Vector3i { return hexes[h].cell.cwiseQuotient(fine_grid.factor); };
   std::vector<std::pair<std::array<int, 3>, int>> order;  // places of parents, and hexes
   for (int h = 0; h < int(hexes.size()); ++h) {
@@ -39,13 +40,13 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
   std::sort(order.begin(), order.end());
 
   const std::array<Weights, 8> weights = restriction_weights(fine_grid.factor);
-  TermLevel coarse;
-  HexTerms& terms = coarse.terms;
+  SaddlePointLevel coarse;
+  RankOneTerms& terms = coarse.terms;
   fine.parents.resize(fine.terms.vectors.size());
   std::vector<float> own;
   for (auto first = order.begin(); first != order.end();) {
     const auto end = std::find_if(first, order.end(), [&](const auto& entry) { return entry.first != first->first; });
-    HexTerms::Hex hex;
+    RankOneTerms::Hex hex;
     hex.cell = parent(first->second);
     for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice(), hex.cell + corner(n));
     int richest = 0;
@@ -55,7 +56,7 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
     terms.vectors.resize(hex.end, Vector24f::Zero());
     own.resize(hex.end, 0);
     for (auto at = first; at != end; ++at) {
-      const HexTerms::Hex& covered = hexes[at->second];
+      const RankOneTerms::Hex& covered = hexes[at->second];
       const Vector3i place = covered.cell - hex.cell.cwiseProduct(fine_grid.factor);
       const Weights& W = weights[4 * place[0] + 2 * place[1] + place[2]];
       for (int t = covered.first; t < covered.end; ++t) {
@@ -78,14 +79,14 @@ TermLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridLevel& c
   return coarse;
 }
 
-void set_up_last(const Multigrid& multigrid, TermMultigrid& coupled) {
-  const TermLevel& level = coupled.levels.back();
+void set_up_last(const Multigrid& multigrid, SaddlePointMultigrid& coupled) {
+  const SaddlePointLevel& level = coupled.levels.back();
   const auto count = Eigen::Index(level.terms.vectors.size());
   coupled.has_dense = multigrid.has_dense && count <= most_dense_terms;
   if (!coupled.has_dense || count == 0) return;
   const std::vector<int>& slots = multigrid.dense_slots;
   MatrixXd G = MatrixXd::Zero(3 * Eigen::Index(slots.size()), count);
-  for (const HexTerms::Hex& hex : level.terms.hexes)
+  for (const RankOneTerms::Hex& hex : level.terms.hexes)
     for (int n = 0; n < 8; ++n) {
       const auto row = std::lower_bound(slots.begin(), slots.end(), hex.nodes[n]) - slots.begin();
       for (int t = hex.first; t < hex.end; ++t)
@@ -98,10 +99,10 @@ void set_up_last(const Multigrid& multigrid, TermMultigrid& coupled) {
 }
 
 // the mean of 1 / S_ii over that of D^-1 at free nodes
-double weight_of(const MultigridLevel& grid, const TermLevel& level) {
+double weight_of(const MultigridLevel& grid, const SaddlePointLevel& level) {
   double sum = 0;
   Eigen::Index count = 0;
-  for (const HexTerms::Hex& hex : level.terms.hexes)
+  for (const RankOneTerms::Hex& hex : level.terms.hexes)
     for (const int node : hex.nodes) {
       if (!(grid.matrix.diagonal[node] > 0)) continue;
       sum += double(inverse_block(grid.inverse, node).trace()) / 3;
@@ -113,22 +114,22 @@ double weight_of(const MultigridLevel& grid, const TermLevel& level) {
 }
 
 // (x, v) -= (w D^-1 G, G) dy
-void push_back(const MultigridLevel& grid, const TermLevel& level, float w, const VectorXf& dy, AlignedArray<float>& x,
-               AlignedArray<float>& v) {
+void push_back(const MultigridLevel& grid, const SaddlePointLevel& level, float w, const VectorXf& dy,
+               AlignedArray<float>& x, AlignedArray<float>& v) {
   for_each_node(level.terms, dy, [&](int slot, const Vector3f& sum) {
     add_at_node(slot, -w * (inverse_block(grid.inverse, slot) * sum), x);
     add_at_node(slot, -sum, v);
   });
 }
 
-VectorXf products(const TermLevel& level, const AlignedArray<float>& x) {
+VectorXf products(const SaddlePointLevel& level, const AlignedArray<float>& x) {
   VectorXf of_x(level.own.size());
   multiply(level.terms, x, of_x);
   return of_x;
 }
 
 // the multipliers that bring x back to the terms; v: b - G y
-void project(const MultigridLevel& grid, TermLevel& level, float w, const VectorXf& q, AlignedArray<float>& x,
+void project(const MultigridLevel& grid, SaddlePointLevel& level, float w, const VectorXf& q, AlignedArray<float>& x,
              AlignedArray<float>& v, VectorXf& y) {
   const VectorXf dy = solve(level.complement, products(level, x) - q - level.own.cwiseProduct(y));
   y += dy;
@@ -136,7 +137,7 @@ void project(const MultigridLevel& grid, TermLevel& level, float w, const Vector
 }
 
 // returns which iterate is current
-int smooth_coupled(MultigridLevel& grid, TermLevel& level, float w, const VectorXf& q, int current,
+int smooth_coupled(MultigridLevel& grid, SaddlePointLevel& level, float w, const VectorXf& q, int current,
                    AlignedArray<float>& v, VectorXf& y) {
   chebyshev(grid.op, grid.matrix, grid.inverse, {1, 0, w}, v, grid.x[current], grid.x[1 - current]);
   project(grid, level, w, q, grid.x[1 - current], v, y);
@@ -147,10 +148,10 @@ float damping_of(const MultigridLevel& grid) {
   return float(damping / largest_jacobi_eigenvalue(grid.shape));
 }
 
-AlignedArray<float>& solve_last(Multigrid& multigrid, const TermMultigrid& coupled, const AlignedArray<float>& b,
+AlignedArray<float>& solve_last(Multigrid& multigrid, const SaddlePointMultigrid& coupled, const AlignedArray<float>& b,
                                 const VectorXf& q, VectorXf& y) {
   AlignedArray<float>& x = solve_dense(multigrid, b);
-  const TermLevel& level = coupled.levels.back();
+  const SaddlePointLevel& level = coupled.levels.back();
   if (q.size() == 0) return x;
   const VectorXd solved = coupled.dense.solve((products(level, x) - q).cast<double>());
   y = solved.cast<float>();
@@ -161,10 +162,10 @@ AlignedArray<float>& solve_last(Multigrid& multigrid, const TermMultigrid& coupl
 }
 
 // v: the right-hand side, b; becomes b - G y. Returns x.
-AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::size_t depth, AlignedArray<float>& v,
-                           const VectorXf& q, VectorXf& y) {
+AlignedArray<float>& cycle(Multigrid& multigrid, SaddlePointMultigrid& coupled, std::size_t depth,
+                           AlignedArray<float>& v, const VectorXf& q, VectorXf& y) {
   MultigridLevel& grid = multigrid.levels[depth];
-  TermLevel& level = coupled.levels[depth];
+  SaddlePointLevel& level = coupled.levels[depth];
   y = VectorXf::Zero(q.size());
   const bool last = depth + 1 == multigrid.levels.size();
   if (last && coupled.has_dense) return solve_last(multigrid, coupled, v, q, y);
@@ -193,9 +194,9 @@ AlignedArray<float>& cycle(Multigrid& multigrid, TermMultigrid& coupled, std::si
 
 }  // namespace
 
-void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) {
+void set_up(const Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coupled) {
   const MultigridLevel& finest = multigrid.levels.front();
-  for (HexTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice().first_cell;
+  for (RankOneTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice().first_cell;
   coupled.levels.clear();
   coupled.levels.emplace_back().terms = std::move(terms);
   const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
@@ -203,14 +204,15 @@ void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) 
   coupled.has_dense = false;
   if (count == 0) return;
   for (std::size_t depth = 1; depth < multigrid.levels.size(); ++depth) {
-    TermLevel coarse = coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
+    SaddlePointLevel coarse =
+        coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
     coupled.levels.push_back(std::move(coarse));
   }
   set_up_last(multigrid, coupled);
   // of the levels that are smoothed, and of the first one, whose complement tells the weight
   const std::size_t complements = std::max<std::size_t>(1, multigrid.levels.size() - (coupled.has_dense ? 1 : 0));
   for (std::size_t depth = 0; depth < complements; ++depth) {
-    TermLevel& level = coupled.levels[depth];
+    SaddlePointLevel& level = coupled.levels[depth];
     const MultigridLevel& grid = multigrid.levels[depth];
     set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
   }
@@ -218,8 +220,8 @@ void set_up(const Multigrid& multigrid, HexTerms terms, TermMultigrid& coupled) 
   if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
 }
 
-const AlignedArray<float>& precondition(Multigrid& multigrid, TermMultigrid& coupled, const AlignedArray<float>& r,
-                                        const VectorXd& q, VectorXd& y) {
+const AlignedArray<float>& precondition(Multigrid& multigrid, SaddlePointMultigrid& coupled,
+                                        const AlignedArray<float>& r, const VectorXd& q, VectorXd& y) {
   if (q.size() == 0) {
     double product = 0;
     y.resize(0);

@@ -1,4 +1,4 @@
-#include "core/linear/saddle/strip_matrix.h"
+#include "core/linear/saddle/sliced_ell_matrix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace umax {
 namespace {
 
 constexpr float entry_scale = 32767;  // of entries, which are -1 ... 1
-constexpr Eigen::Index grain = 64;    // lines or strips per task
+constexpr Eigen::Index grain = 64;    // lines or slices per task
 constexpr Eigen::Index terms_per_block = 4096;
 
 // corners that a cell shares with each one near it: its own, the other's
@@ -60,7 +60,7 @@ void for_each_pair(const TermLines& lines, int line, const Visit& visit) {
   }
 }
 
-// the entries of a line's strips: which there are, or their numbers
+// the entries of a line's slices: which there are, or their numbers
 struct LineEntries {
   int layers = 0, most_layers = 1;
   std::vector<int> numbers;  // -1: none
@@ -68,8 +68,8 @@ struct LineEntries {
   int& at(int layer, int d, int other_layer) { return numbers[(layer * num_near + d) * most_layers + other_layer]; }
 };
 
-// numbered strip by strip from `first`; returns the first of each strip and the end
-std::vector<int> number_entries(const HexTerms& terms, const TermLines& lines, int line, int first,
+// numbered slice by slice from `first`; returns the first of each slice and the end
+std::vector<int> number_entries(const RankOneTerms& terms, const TermLines& lines, int line, int first,
                                 LineEntries& entries) {
   entries.layers = lines.layers(line);
   entries.most_layers = lines.most_layers;
@@ -90,23 +90,23 @@ std::vector<int> number_entries(const HexTerms& terms, const TermLines& lines, i
   return starts;
 }
 
-void number_strips(const HexTerms& terms, const TermLines& lines, StripMatrix& matrix) {
-  const auto strips = std::size_t(lines.first_strips.back());
-  matrix.below.assign(strips, -1);
-  matrix.above.assign(strips, -1);
-  matrix.starts.assign(strips + 1, 0);
+void number_slices(const RankOneTerms& terms, const TermLines& lines, SlicedEllMatrix& matrix) {
+  const auto slices = std::size_t(lines.first_slices.back());
+  matrix.below.assign(slices, -1);
+  matrix.above.assign(slices, -1);
+  matrix.starts.assign(slices + 1, 0);
   matrix.lanes.resize(terms.vectors.size());
   parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
     LineEntries entries;
     for (int line = int(begin); line < int(end); ++line) {
-      const int first = lines.first_strips[line];
+      const int first = lines.first_slices[line];
       const std::vector<int> starts = number_entries(terms, lines, line, 0, entries);
       for (int layer = 0; layer < lines.layers(line); ++layer) {
         matrix.starts[first + layer + 1] = starts[layer + 1] - starts[layer];
         if (line > 0 && lines.continues(line - 1) && layer < lines.layers(line - 1))
-          matrix.below[first + layer] = lines.first_strips[line - 1] + layer;
+          matrix.below[first + layer] = lines.first_slices[line - 1] + layer;
         if (lines.continues(line) && layer < lines.layers(line + 1))
-          matrix.above[first + layer] = lines.first_strips[line + 1] + layer;
+          matrix.above[first + layer] = lines.first_slices[line + 1] + layer;
       }
       for (int lane = 0; lane < brick_lanes; ++lane)
         if (const int h = lines.hexes[line * brick_lanes + lane]; h >= 0)
@@ -119,64 +119,64 @@ void number_strips(const HexTerms& terms, const TermLines& lines, StripMatrix& m
 
 // Fills the numbered entries: value(t, u, d) of the scaled matrix.
 template <class Value>
-void set_entries(const HexTerms& terms, const TermLines& lines, const Value& value, StripMatrix& matrix) {
+void set_entries(const RankOneTerms& terms, const TermLines& lines, const Value& value, SlicedEllMatrix& matrix) {
   matrix.places.assign(std::size_t(matrix.starts.back()), 0);
   matrix.entries.assign(std::size_t(matrix.starts.back()) * brick_lanes, 0);
   VectorXf row_sums = VectorXf::Ones(matrix.scale.size());
   parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
     LineEntries entries;
     for (int line = int(begin); line < int(end); ++line) {
-      number_entries(terms, lines, line, matrix.starts[lines.first_strips[line]], entries);
+      number_entries(terms, lines, line, matrix.starts[lines.first_slices[line]], entries);
       for_each_pair(lines, line, [&](int lane, int hex, int d, int other) {
-        const HexTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
-        const int strips = lines.first_strips[lines.beside[line][d / 3]];  // those that the entries multiply
+        const RankOneTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
+        const int slices = lines.first_slices[lines.beside[line][d / 3]];  // those that the entries multiply
         for (int t = own.first; t < own.end; ++t)
           for (int u = near.first; u < near.end; ++u) {
             if (t == u) continue;
             const int number = entries.at(t - own.first, d, u - near.first);
             const float entry = std::clamp(value(t, u, d), -1.f, 1.f);
             row_sums[t] += std::abs(entry);
-            matrix.places[number] = (strips + u - near.first) * strip_stride + d % 3;
+            matrix.places[number] = (slices + u - near.first) * slice_stride + d % 3;
             matrix.entries[std::size_t(number) * brick_lanes + lane] = std::int16_t(std::lrint(entry_scale * entry));
           }
       });
     }
   });
   matrix.largest = row_sums.size() > 0 ? row_sums.maxCoeff() : 1;
-  const auto strips = Eigen::Index(matrix.below.size());
-  for (VectorXf* of_lanes : {&matrix.rest, &matrix.x}) of_lanes->setZero(strips * brick_lanes);
-  for (VectorXf& moves : matrix.moves) moves.setZero(strips * strip_stride);
+  const auto slices = Eigen::Index(matrix.below.size());
+  for (VectorXf* of_lanes : {&matrix.rest, &matrix.x}) of_lanes->setZero(slices * brick_lanes);
+  for (VectorXf& moves : matrix.moves) moves.setZero(slices * slice_stride);
 }
 
 // a lane as the first step leaves it, which goes along b
-void begin(StripMatrix& matrix, int lane, float b, float gain) {
-  const int strip = lane / brick_lanes, at = lane % brick_lanes;
+void begin(SlicedEllMatrix& matrix, int lane, float b, float gain) {
+  const int slice = lane / brick_lanes, at = lane % brick_lanes;
   VectorXf& moves = matrix.moves[0];
   const float move = gain * b;
   matrix.rest[lane] = b;
-  matrix.x[lane] = moves[strip * strip_stride + 1 + at] = move;
-  if (at == 0 && matrix.below[strip] >= 0) moves[matrix.below[strip] * strip_stride + brick_lanes + 1] = move;
-  if (at == brick_lanes - 1 && matrix.above[strip] >= 0) moves[matrix.above[strip] * strip_stride] = move;
+  matrix.x[lane] = moves[slice * slice_stride + 1 + at] = move;
+  if (at == 0 && matrix.below[slice] >= 0) moves[matrix.below[slice] * slice_stride + brick_lanes + 1] = move;
+  if (at == brick_lanes - 1 && matrix.above[slice] >= 0) moves[matrix.above[slice] * slice_stride] = move;
 }
 
 // a step that moves[from] begins; makes moves[1 - from]
-void sweep(StripMatrix& matrix, int from, float momentum, float gain) {
-  StripSweep task;
-  task.strips = strips_of(matrix);
+void sweep(SlicedEllMatrix& matrix, int from, float momentum, float gain) {
+  SliceSweep task;
+  task.slices = slices_of(matrix);
   task.move = matrix.moves[from].data(), task.next = matrix.moves[1 - from].data();
   task.rest = matrix.rest.data(), task.x = matrix.x.data();
   task.momentum = momentum, task.gain = gain;
   const MultigridKernels& kernels = multigrid_kernels(matrix.instruction_set);
   parallel_blocks(Eigen::Index(matrix.below.size()), grain,
-                  [&](Eigen::Index begin, Eigen::Index end) { kernels.sweep_strips(task, int(begin), int(end)); });
+                  [&](Eigen::Index begin, Eigen::Index end) { kernels.sweep_slices(task, int(begin), int(end)); });
 }
 
 }  // namespace
 
-TermLines lines_of(const HexTerms& terms) {
+TermLines lines_of(const RankOneTerms& terms) {
   std::vector<std::pair<Place, int>> wanted;  // places and layers
   int most_layers = 1;
-  for (const HexTerms::Hex& hex : terms.hexes) {
+  for (const RankOneTerms::Hex& hex : terms.hexes) {
     const Place place = place_of(hex.cell);
     const int lane = hex.cell[2] % brick_lanes, layers = hex.end - hex.first;
     most_layers = std::max(most_layers, layers);
@@ -187,11 +187,11 @@ TermLines lines_of(const HexTerms& terms) {
   std::sort(wanted.begin(), wanted.end());
   TermLines lines;
   lines.most_layers = most_layers;
-  lines.first_strips.push_back(0);
+  lines.first_slices.push_back(0);
   for (std::size_t i = 0; i < wanted.size(); ++i) {  // of the same place the last one has most layers
     if (i + 1 < wanted.size() && wanted[i + 1].first == wanted[i].first) continue;
     lines.places.push_back(wanted[i].first);
-    lines.first_strips.push_back(lines.first_strips.back() + wanted[i].second);
+    lines.first_slices.push_back(lines.first_slices.back() + wanted[i].second);
   }
   lines.beside.resize(lines.places.size());
   parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
@@ -206,16 +206,16 @@ TermLines lines_of(const HexTerms& terms) {
   return lines;
 }
 
-StripMatrix make_strip_matrix(const HexTerms& terms, const TermLines& lines,
-                              const std::vector<HexTerms::Vector24f>& responses, const VectorXf& diagonal,
-                              InstructionSet instruction_set) {
+SlicedEllMatrix make_sliced_ell_matrix(const RankOneTerms& terms, const TermLines& lines,
+                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& diagonal,
+                                       InstructionSet instruction_set) {
   static const SharedCorners shared = shared_corners();
-  StripMatrix matrix;
+  SlicedEllMatrix matrix;
   matrix.instruction_set = instruction_set;
   matrix.scale.resize(diagonal.size());
   for (Eigen::Index t = 0; t < diagonal.size(); ++t)
     matrix.scale[t] = 1 / std::sqrt(diagonal[t] + responses[std::size_t(t)].dot(terms.vectors[std::size_t(t)]));
-  number_strips(terms, lines, matrix);
+  number_slices(terms, lines, matrix);
   set_entries(
       terms, lines,
       [&](int t, int u, int d) {
@@ -228,19 +228,19 @@ StripMatrix make_strip_matrix(const HexTerms& terms, const TermLines& lines,
   return matrix;
 }
 
-Strips strips_of(const StripMatrix& matrix) {
+EllSlices slices_of(const SlicedEllMatrix& matrix) {
   return {matrix.below.data(),  matrix.above.data(),   matrix.starts.data(),
           matrix.places.data(), matrix.entries.data(), 1 / entry_scale};
 }
 
-std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const TermLines& lines,
-                                                  const StripMatrix& matrix) {
+std::vector<Eigen::Triplet<double>> lower_entries(const RankOneTerms& terms, const TermLines& lines,
+                                                  const SlicedEllMatrix& matrix) {
   std::vector<Eigen::Triplet<double>> lower;
   LineEntries entries;
   for (int line = 0; line < lines.count(); ++line) {
-    number_entries(terms, lines, line, matrix.starts[lines.first_strips[line]], entries);
+    number_entries(terms, lines, line, matrix.starts[lines.first_slices[line]], entries);
     for_each_pair(lines, line, [&](int lane, int hex, int d, int other) {
-      const HexTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
+      const RankOneTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
       for (int t = own.first; t < own.end; ++t)
         for (int u = near.first; u < std::min(t, near.end); ++u) {
           const int number = entries.at(t - own.first, d, u - near.first);
@@ -251,7 +251,7 @@ std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const T
   return lower;
 }
 
-VectorXf solve(StripMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b) {
+VectorXf solve(SlicedEllMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b) {
   ChebyshevRecurrence<float> recurrence(matrix.largest, options.interval);
   const float first_gain = recurrence.first_gain();
   parallel_blocks(b.size(), terms_per_block, [&](Eigen::Index first, Eigen::Index end) {

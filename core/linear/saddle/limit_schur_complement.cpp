@@ -1,4 +1,4 @@
-#include "core/linear/saddle/term_complement.h"
+#include "core/linear/saddle/limit_schur_complement.h"
 
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr ChebyshevOptions unfactored{.steps = 12, .interval = 150};  // more ta
 constexpr Eigen::Index grain = 64;                                    // hexes per task
 
 // Nested dissection in space, [first, end) of hexes: a layer of them parts the others and is eliminated after these.
-void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::iterator first,
+void dissect(const std::vector<RankOneTerms::Hex>& of_terms, std::vector<int>::iterator first,
              std::vector<int>::iterator end) {
   constexpr std::ptrdiff_t small = 16;
   if (end - first <= small) return;
@@ -42,7 +42,7 @@ void dissect(const std::vector<HexTerms::Hex>& of_terms, std::vector<int>::itera
   dissect(of_terms, below, above);
 }
 
-std::vector<int> elimination_order(const HexTerms& terms) {
+std::vector<int> elimination_order(const RankOneTerms& terms) {
   std::vector<int> hexes(terms.hexes.size()), order;
   std::iota(hexes.begin(), hexes.end(), 0);
   dissect(terms.hexes, hexes.begin(), hexes.end());
@@ -52,7 +52,8 @@ std::vector<int> elimination_order(const HexTerms& terms) {
 }
 
 // of the scaled matrix
-bool factorize(const HexTerms& terms, const TermLines& lines, const StripMatrix& matrix, SupernodalFactor& factor) {
+bool factorize(const RankOneTerms& terms, const TermLines& lines, const SlicedEllMatrix& matrix,
+               SupernodalFactor& factor) {
   std::vector<Eigen::Triplet<double>> entries = lower_entries(terms, lines, matrix);
   const Eigen::Index count = matrix.scale.size();
   for (Eigen::Index t = 0; t < count; ++t) entries.emplace_back(t, t, 1.0);
@@ -62,11 +63,11 @@ bool factorize(const HexTerms& terms, const TermLines& lines, const StripMatrix&
 }
 
 // w D^-1 g of each term
-std::vector<HexTerms::Vector24f> responses_of(const MultigridLevel& grid, const HexTerms& terms, float w) {
-  std::vector<HexTerms::Vector24f> responses(terms.vectors.size());
+std::vector<RankOneTerms::Vector24f> responses_of(const MultigridLevel& grid, const RankOneTerms& terms, float w) {
+  std::vector<RankOneTerms::Vector24f> responses(terms.vectors.size());
   parallel_blocks(Eigen::Index(terms.hexes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index h = begin; h < end; ++h) {
-      const HexTerms::Hex& hex = terms.hexes[h];
+      const RankOneTerms::Hex& hex = terms.hexes[h];
       std::array<Matrix3f, 8> inverses;
       for (int n = 0; n < 8; ++n) inverses[n] = w * inverse_block(grid.inverse, hex.nodes[n]);
       for (int t = hex.first; t < hex.end; ++t)
@@ -78,13 +79,14 @@ std::vector<HexTerms::Vector24f> responses_of(const MultigridLevel& grid, const 
 
 }  // namespace
 
-void set_up(const MultigridLevel& grid, const HexTerms& terms, const VectorXf& own, float w, TermComplement& S) {
+void set_up(const MultigridLevel& grid, const RankOneTerms& terms, const VectorXf& own, float w,
+            LimitSchurComplement& S) {
   const TermLines lines = lines_of(terms);
-  S.matrix = make_strip_matrix(terms, lines, responses_of(grid, terms, w), own, grid.op.instruction_set);
+  S.matrix = make_sliced_ell_matrix(terms, lines, responses_of(grid, terms, w), own, grid.op.instruction_set);
   S.is_factored = own.size() <= most_factored && factorize(terms, lines, S.matrix, S.factor);
 }
 
-VectorXf solve(TermComplement& S, const VectorXf& b) {
+VectorXf solve(LimitSchurComplement& S, const VectorXf& b) {
   if (!S.is_factored) return solve(S.matrix, unfactored, b);
   const VectorXf& scale = S.matrix.scale;
   return scale.cwiseProduct(solve(S.factor, scale.cwiseProduct(b).cast<double>()).cast<float>());

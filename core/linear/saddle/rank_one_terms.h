@@ -1,7 +1,8 @@
-// Terms g g^T that each live on the nodes of one hex: what active limits and touching contacts add to the matrix.
+// Rank-one terms g g^T that each live on the nodes of one hex: what active limits and touching contacts add to the
+// matrix A of a step.
 //
 // They may be 1e4 times stiffer than what is around them, more than any multigrid for A bears; so they stay outside of
-// A, as rows of a saddle-point system (core/linear/saddle/saddle_point.h, core/linear/saddle/term_multigrid.h).
+// A, as rows of a saddle-point system (core/linear/saddle/saddle_point.h).
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace umax {
 
-struct HexTerms {
+struct RankOneTerms {
   using Vector24f = Eigen::Matrix<float, 24, 1>;
   struct Hex {
     std::array<int, 8> nodes{};  // slots
@@ -34,22 +35,23 @@ struct HexTerms {
 };
 
 /// One term as it is handed in.
-struct HexTerm {
+struct RankOneTerm {
   int hex = 0;  // of the lattice
   Vector24d vector = Vector24d::Zero();
   double offset = 0;  // [sqrt(J)] the term's force is -g (g . x + offset)
 };
 
 /// Sorts the terms, zeroes them at nodes that are not free. cells, node_slots: as in BrickLattice's functions.
-HexTerms make_hex_terms(const std::vector<HexTerm>& terms, const Cells& cells, const Hexes& hexes, int first_node,
-                        const std::vector<int>& node_slots, const AlignedArray<float>& diagonal);
+RankOneTerms make_rank_one_terms(const std::vector<RankOneTerm>& terms, const Cells& cells, const Hexes& hexes,
+                                 int first_node, const std::vector<int>& node_slots,
+                                 const AlignedArray<float>& diagonal);
 
 /// Sorts the vectors by nodes. num_slots: of the lattice.
-void sort_by_nodes(std::size_t num_slots, HexTerms& terms);
+void sort_by_nodes(std::size_t num_slots, RankOneTerms& terms);
 
 /// Calls body(slot, G factors there) for every node of hexes with terms.
 template <class Vector, class Body>
-void for_each_node(const HexTerms& terms, const Vector& factors, const Body& body) {
+void for_each_node(const RankOneTerms& terms, const Vector& factors, const Body& body) {
   constexpr Eigen::Index grain = 256;  // nodes per task
   parallel_blocks(Eigen::Index(terms.node_slots.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
@@ -63,10 +65,10 @@ void for_each_node(const HexTerms& terms, const Vector& factors, const Body& bod
 
 /// products = G^T x.
 template <class Vector>
-void multiply(const HexTerms& terms, const AlignedArray<float>& x, Vector& products);
+void multiply(const RankOneTerms& terms, const AlignedArray<float>& x, Vector& products);
 
 /// x += G factors, in a fixed order.
 template <class Vector>
-void add(const HexTerms& terms, const Vector& factors, AlignedArray<float>& x);
+void add(const RankOneTerms& terms, const Vector& factors, AlignedArray<float>& x);
 
 }  // namespace umax

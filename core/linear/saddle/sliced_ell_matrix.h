@@ -1,8 +1,9 @@
-// Symmetric matrices between the terms of hexes that share a node, fast to multiply with.
+// A symmetric sparse matrix in sliced ELL format (SELL-C; Kreutzer, Hager, Wellein, Fehske, Bishop 2014), between the
+// rank-one terms of hexes that share a node: fast to multiply with.
 //
-// Where hexes have terms most of their neighbours have, so terms stand in strips: one of each cell in a line of 16
-// along z, and as many strips as the richest of these cells has terms. Lanes without a term are zeros. The rows of a
-// strip have their entries at the same places of 16 consecutive lanes: one index for 16 of them.
+// A slice is 16 rows. Where hexes have terms most of their neighbours have, so a slice has one term of each cell in a
+// line of 16 along z, and a line as many slices as the richest of its cells has terms. Lanes without a term are zeros.
+// The rows of a slice have their entries at the same places of 16 consecutive lanes: one index for 16 of them.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include "core/linear/bricks/multigrid_kernel.h"
-#include "core/linear/saddle/hex_terms.h"
+#include "core/linear/saddle/rank_one_terms.h"
 
 namespace umax {
 
@@ -23,23 +24,23 @@ inline constexpr int own_place = num_near / 2;
 struct TermLines {
   using Place = std::array<int, 3>;        // z in lines
   std::vector<Place> places;               // ascending; the line above follows
-  std::vector<int> first_strips;           // and the end
+  std::vector<int> first_slices;           // and the end
   std::vector<std::array<int, 9>> beside;  // lines at the same z: 3 (dx + 1) + dy + 1; -1: none
   std::vector<int> hexes;                  // of each lane, -1: none with terms
-  int most_layers = 1;                     // strips of a line
+  int most_layers = 1;                     // slices of a line
 
   int count() const { return int(places.size()); }
-  int layers(int line) const { return first_strips[line + 1] - first_strips[line]; }
+  int layers(int line) const { return first_slices[line + 1] - first_slices[line]; }
   bool continues(int line) const {
     return line + 1 < count() && places[line + 1] == Place{places[line][0], places[line][1], places[line][2] + 1};
   }
 };
-TermLines lines_of(const HexTerms& terms);
+TermLines lines_of(const RankOneTerms& terms);
 
 /// Scaled so that the diagonal is one, which is not stored.
-struct StripMatrix {
+struct SlicedEllMatrix {
   InstructionSet instruction_set = InstructionSet::portable;
-  std::vector<std::int32_t> below, above, starts, places;  // as Strips
+  std::vector<std::int32_t> below, above, starts, places;  // as EllSlices
   std::vector<std::int16_t> entries;
   std::vector<int> lanes;      // of each term
   VectorXf scale;              // 1 / sqrt of the diagonal
@@ -48,16 +49,16 @@ struct StripMatrix {
 };
 
 /// G^T B G + C; responses: B's of each term, zero but for the hex's nodes; diagonal: C.
-StripMatrix make_strip_matrix(const HexTerms& terms, const TermLines& lines,
-                              const std::vector<HexTerms::Vector24f>& responses, const VectorXf& diagonal,
-                              InstructionSet instruction_set);
+SlicedEllMatrix make_sliced_ell_matrix(const RankOneTerms& terms, const TermLines& lines,
+                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& diagonal,
+                                       InstructionSet instruction_set);
 
 /// As the kernels see it.
-Strips strips_of(const StripMatrix& matrix);
+EllSlices slices_of(const SlicedEllMatrix& matrix);
 
 /// Entries (t, u) of the scaled matrix, t > u.
-std::vector<Eigen::Triplet<double>> lower_entries(const HexTerms& terms, const TermLines& lines,
-                                                  const StripMatrix& matrix);
+std::vector<Eigen::Triplet<double>> lower_entries(const RankOneTerms& terms, const TermLines& lines,
+                                                  const SlicedEllMatrix& matrix);
 
 /// x ~ A^-1 b by steps of Chebyshev's iteration, which reduce the error at eigenvalues of the scaled matrix from the
 /// largest one down to that over `interval`.
@@ -65,6 +66,6 @@ struct ChebyshevOptions {
   int steps = 0;
   float interval = 1;
 };
-VectorXf solve(StripMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b);
+VectorXf solve(SlicedEllMatrix& matrix, const ChebyshevOptions& options, const VectorXf& b);
 
 }  // namespace umax

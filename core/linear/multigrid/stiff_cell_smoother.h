@@ -1,5 +1,6 @@
-// Exact solves on single hexes that are much stiffer than their neighbours. Such a hex moves like a rigid body, which
-// neither a point smoother (its nodes' own blocks are stiff) nor a coarse grid (it is too small) sees.
+// A smoother for single hexes that are much stiffer than their neighbours: an exact solve on each (additive Schwarz
+// with hexes as subdomains; Smith, Bjorstad, Gropp, Domain Decomposition, 1996). Such a hex moves like a rigid body,
+// which neither a point smoother (its nodes' own blocks are stiff) nor a coarse grid (it is too small) sees.
 //
 //   L = damping sum_e P_e A_e^-1 P_e^T,   A_e the 24 x 24 block of A at the hex's nodes
 // No hex of the lattice touches more than `most_shared` of those solved for, so that the largest eigenvalue of L A is
@@ -13,7 +14,7 @@
 
 namespace umax {
 
-struct StiffCells {
+struct StiffCellSmoother {
   using Vector24f = Eigen::Matrix<float, 24, 1>;
   using Matrix24f = Eigen::Matrix<float, 24, 24>;
   using Rows = Eigen::Matrix<float, 24, 192>;
@@ -25,19 +26,19 @@ struct StiffCells {
 
 /// Hexes at least `contrast` times stiffer than the softest of those that touch them. Slots in ascending order decide
 /// where too many lie close to each other. most_rows: for so many hexes and no more, A's rows are stored.
-StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matrix, const Matrix24d& stiffness,
-                            double contrast, Eigen::Index most_rows = 0);
+StiffCellSmoother make_stiff_cell_smoother(const HexOperator& op, const HexMatrix<float>& matrix,
+                                           const Matrix24d& stiffness, double contrast, Eigen::Index most_rows = 0);
 
 /// z += L r.
-void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, AlignedArray<float>& z);
+void add_corrections(const StiffCellSmoother& cells, const AlignedArray<float>& r, AlignedArray<float>& z);
 
 /// With A's rows, the hexes are solved for around a preconditioner B without a sweep over the lattice:
 /// `before` is what L r is hex by hex, and rest becomes r - A L r.
-std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const AlignedArray<float>& r,
-                                                  AlignedArray<float>& rest);
+std::vector<StiffCellSmoother::Vector24f> correct_before(const StiffCellSmoother& cells, const AlignedArray<float>& r,
+                                                         AlignedArray<float>& rest);
 
 /// z = B rest becomes z' = L r + z + L (r - A (L r + z)). Returns r . z' - rest . z.
-double correct_after(const StiffCells& cells, const AlignedArray<float>& r,
-                     const std::vector<StiffCells::Vector24f>& before, AlignedArray<float>& z);
+double correct_after(const StiffCellSmoother& cells, const AlignedArray<float>& r,
+                     const std::vector<StiffCellSmoother::Vector24f>& before, AlignedArray<float>& z);
 
 }  // namespace umax

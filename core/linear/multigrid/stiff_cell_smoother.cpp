@@ -1,4 +1,4 @@
-#include "core/linear/multigrid/stiff_cells.h"
+#include "core/linear/multigrid/stiff_cell_smoother.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -100,7 +100,8 @@ Matrix24d local_matrix(const BrickLattice& lattice, const HexMatrix<float>& matr
 }
 
 // damping A_e^-1, zero in the rows and columns of nodes that are not free
-StiffCells::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix, const std::array<int, 8>& nodes) {
+StiffCellSmoother::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix,
+                                            const std::array<int, 8>& nodes) {
   Matrix24d free = Matrix24d::Identity();
   for (int n = 0; n < 8; ++n) {
     const double w = double(matrix.diagonal[nodes[n]]);
@@ -120,7 +121,7 @@ StiffCells::Matrix24f damped_inverse(Matrix24d A, const HexMatrix<float>& matrix
 
 // A between the hex's nodes and those up to one hex away, zero in the rows of nodes that are not free
 void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, const Matrix24d& K, int slot,
-                const std::array<int, 8>& nodes, std::array<int, 64>& reached, StiffCells::Rows& rows) {
+                const std::array<int, 8>& nodes, std::array<int, 64>& reached, StiffCellSmoother::Rows& rows) {
   const auto at = [](const Vector3i& step) { return 16 * (step[0] + 1) + 4 * (step[1] + 1) + step[2] + 1; };
   for (int m = 0; m < 64; ++m) reached[m] = slot_near(lattice, slot, {m / 16 - 1, m / 4 % 4 - 1, m % 4 - 1});
   Eigen::Matrix<double, 24, 192> A = Eigen::Matrix<double, 24, 192>::Zero();
@@ -146,7 +147,7 @@ void store_rows(const BrickLattice& lattice, const HexMatrix<float>& matrix, con
 }
 
 // the rows of A x that belong to a hex's nodes
-StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const AlignedArray<float>& x) {
+StiffCellSmoother::Vector24f multiply(const StiffCellSmoother& cells, std::size_t e, const AlignedArray<float>& x) {
   Eigen::Matrix<float, 192, 1> around = Eigen::Matrix<float, 192, 1>::Zero();
   for (int m = 0; m < 64; ++m)
     if (const int slot = cells.reached[e][m]; slot >= 0) around.segment<3>(3 * m) = node_value(x, slot);
@@ -155,11 +156,11 @@ StiffCells::Vector24f multiply(const StiffCells& cells, std::size_t e, const Ali
 
 }  // namespace
 
-StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matrix, const Matrix24d& stiffness,
-                            double contrast, Eigen::Index most_rows) {
+StiffCellSmoother make_stiff_cell_smoother(const HexOperator& op, const HexMatrix<float>& matrix,
+                                           const Matrix24d& stiffness, double contrast, Eigen::Index most_rows) {
   const BrickLattice& lattice = op.lattice;
   const std::vector<int> chosen = choose(lattice, stiffnesses(lattice, matrix), contrast);
-  StiffCells cells;
+  StiffCellSmoother cells;
   cells.nodes.resize(chosen.size());
   cells.inverses.resize(chosen.size());
   const bool with_rows = Eigen::Index(chosen.size()) <= most_rows;
@@ -177,8 +178,8 @@ StiffCells find_stiff_cells(const HexOperator& op, const HexMatrix<float>& matri
   return cells;
 }
 
-void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, AlignedArray<float>& z) {
-  std::vector<StiffCells::Vector24f> corrections(cells.nodes.size());
+void add_corrections(const StiffCellSmoother& cells, const AlignedArray<float>& r, AlignedArray<float>& z) {
+  std::vector<StiffCellSmoother::Vector24f> corrections(cells.nodes.size());
   parallel_blocks(Eigen::Index(cells.nodes.size()), grain, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e)
       corrections[e].noalias() = cells.inverses[e] * gather_nodes(cells.nodes[e], r);
@@ -187,9 +188,9 @@ void add_corrections(const StiffCells& cells, const AlignedArray<float>& r, Alig
   for (std::size_t e = 0; e < corrections.size(); ++e) add_at_nodes(cells.nodes[e], corrections[e], z);
 }
 
-std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const AlignedArray<float>& r,
-                                                  AlignedArray<float>& rest) {
-  std::vector<StiffCells::Vector24f> before;
+std::vector<StiffCellSmoother::Vector24f> correct_before(const StiffCellSmoother& cells, const AlignedArray<float>& r,
+                                                         AlignedArray<float>& rest) {
+  std::vector<StiffCellSmoother::Vector24f> before;
   for (std::size_t e = 0; e < cells.nodes.size(); ++e) {
     before.emplace_back(cells.inverses[e] * gather_nodes(cells.nodes[e], r));
     const Eigen::Matrix<float, 192, 1> force = cells.rows[e].transpose() * before[e];
@@ -199,12 +200,12 @@ std::vector<StiffCells::Vector24f> correct_before(const StiffCells& cells, const
   return before;
 }
 
-double correct_after(const StiffCells& cells, const AlignedArray<float>& r,
-                     const std::vector<StiffCells::Vector24f>& before, AlignedArray<float>& z) {
+double correct_after(const StiffCellSmoother& cells, const AlignedArray<float>& r,
+                     const std::vector<StiffCellSmoother::Vector24f>& before, AlignedArray<float>& z) {
   const std::size_t count = cells.nodes.size();
-  std::vector<StiffCells::Vector24f> local(count), after(count);
+  std::vector<StiffCellSmoother::Vector24f> local(count), after(count);
   double gain = 0;
-  const auto gain_by = [](const StiffCells::Vector24f& a, const StiffCells::Vector24f& b) {
+  const auto gain_by = [](const StiffCellSmoother::Vector24f& a, const StiffCellSmoother::Vector24f& b) {
     return a.cast<double>().dot(b.cast<double>());
   };
   for (std::size_t e = 0; e < count; ++e) {  // (r - rest) . z = A L r . z, and r . L r
