@@ -43,10 +43,6 @@ DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3
   return sample;
 }
 
-double pair_friction(const Model& model, int hex, int obstacle) {
-  return std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
-}
-
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
   const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
   const DistanceSample sample = end_distance(step, contact.obstacle, position);
@@ -57,22 +53,16 @@ void place_vertex_contact(const ContactStep& step, const Points& positions, Cont
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, position);
 }
 
-void append(const ContactStep& step, const Points& positions, int point, int obstacle, int hex, const Vector8d& weights,
-            std::vector<Contact>& contacts) {
-  Contact contact;
-  contact.point = point;
-  contact.obstacle = obstacle;
-  contact.hex = hex;
-  contact.weights = weights;
-  contact.friction = pair_friction(*step.model, hex, obstacle);
-  contacts.push_back(contact);
-  if (point >= 0)
-    place_vertex_contact(step, positions, contacts.back());
-  else
-    place_edge_contact(step, positions, contacts.back());
+void place(const ContactStep& step, const Points& positions, Contact& contact) {
+  switch (contact.point.kind) {
+    case ContactKind::vertex:
+      return place_vertex_contact(step, positions, contact);
+    case ContactKind::obstacle_edge:
+      return place_edge_contact(step, positions, contact);
+  }
 }
 
-bool in_set(const std::vector<Contact>& contacts, std::size_t count, int point, int obstacle) {
+bool in_set(const std::vector<Contact>& contacts, std::size_t count, const ContactPoint& point, int obstacle) {
   for (std::size_t i = 0; i < count; ++i)
     if (contacts[i].point == point && contacts[i].obstacle == obstacle) return true;
   return false;
@@ -86,16 +76,16 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
   const double centre_distance =
       signed_distance(model.obstacles[obstacle].shape, step.poses_t1[obstacle].local(sphere.centre)).distance;
   if (centre_distance > sphere.radius) return false;
-  deepest = {-1, obstacle, hex, -threshold};
+  deepest = {{ContactKind::vertex, -1}, obstacle, hex, -threshold};
   const double tie = tied_depth(model, hex);
   for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
     const int point = geometry.hex_points[k];
     double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
     if (gap < deepest.gap - tie)
       gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
-    if (gap < deepest.gap - tie) deepest.point = point, deepest.gap = gap;
+    if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
   }
-  return deepest.point >= 0;
+  return deepest.point.index >= 0;
 }
 
 std::vector<ContactCandidate> vertex_candidates(const ContactStep& step, const Points& positions, double share) {
@@ -137,6 +127,17 @@ Vector3d embedded_position(const Model& model, const Points& positions, int hex,
   return position;
 }
 
+Contact make_contact(const Model& model, const ContactPoint& point, int obstacle, int hex) {
+  Contact contact;
+  contact.point = point;
+  contact.obstacle = obstacle;
+  contact.hex = hex;
+  contact.weights = point.kind == ContactKind::vertex ? Vector8d(model.surface.weights.row(point.index).transpose())
+                                                      : Vector8d::Constant(0.125);
+  contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
+  return contact;
+}
+
 ContactGeometry make_contact_geometry(const Model& model) {
   ContactGeometry geometry;
   geometry.hex_starts.assign(model.num_hexes() + 1, 0);
@@ -170,12 +171,7 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
 }
 
 void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
-  for (Contact& contact : contacts) {
-    if (contact.point >= 0)
-      place_vertex_contact(step, positions, contact);
-    else
-      place_edge_contact(step, positions, contact);
-  }
+  for (Contact& contact : contacts) place(step, positions, contact);
 }
 
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
@@ -193,10 +189,8 @@ int add_contacts(const ContactStep& step, const Points& positions, double share,
   candidates.insert(candidates.end(), edges.begin(), edges.end());
   for (const ContactCandidate& candidate : candidates) {
     if (in_set(contacts, known, candidate.point, candidate.obstacle)) continue;
-    const Vector8d weights = candidate.point >= 0
-                                 ? Vector8d(step.model->surface.weights.row(candidate.point).transpose())
-                                 : Vector8d::Constant(0.125);
-    append(step, positions, candidate.point, candidate.obstacle, candidate.hex, weights, contacts);
+    contacts.push_back(make_contact(*step.model, candidate.point, candidate.obstacle, candidate.hex));
+    place(step, positions, contacts.back());
   }
   return int(contacts.size() - known);
 }

@@ -15,7 +15,7 @@ namespace umax {
 
 /// One contact constraint of the working set.
 struct Contact {
-  int point = 0;     // surface vertex; or -1 - k for the obstacle's edge point k
+  ContactPoint point;
   int obstacle = 0;  // index into Model::obstacles
   int hex = 0;       // where on the body, with
   Vector8d weights = Vector8d::Zero();
@@ -26,6 +26,9 @@ struct Contact {
   Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
   Vector3d impulse = Vector3d::Zero();          // [N s] world, on the body
 };
+
+/// A contact of the point, which the hex holds, in no place yet: update_contacts() gives it one.
+Contact make_contact(const Model& model, const ContactPoint& point, int obstacle, int hex);
 
 /// Sample points along an obstacle's edges and corners, in its own frame.
 struct EdgePoints {

@@ -9,8 +9,9 @@ namespace umax {
 
 /// A point that may join the working set.
 struct ContactCandidate {
-  int point = 0, obstacle = 0, hex = 0;  // as in Contact
-  double gap = 0;                        // [m]
+  ContactPoint point;  // this and the next two as in Contact
+  int obstacle = 0, hex = 0;
+  double gap = 0;  // [m]
 };
 
 /// Points whose depths [m] differ by less are tied: the first one counts, whatever rounding says.

@@ -149,14 +149,14 @@ std::vector<ContactCandidate> edge_candidates(const ContactStep& step, const Poi
         const int hex = holding_hex(step, positions, body, spheres, edge.point, hit);
         if (hex >= 0 && hit.gap < -share * tolerance_depth(model, hex) &&
             hit.normal.dot(edge.normal) >= edge_cone_cosine)
-          keep_deepest(model, {-1 - k, obstacle, hex, hit.gap}, deepest);
+          keep_deepest(model, {{ContactKind::obstacle_edge, k}, obstacle, hex, hit.gap}, deepest);
       }
   }
   return deepest;
 }
 
 void place_edge_contact(const ContactStep& step, const Points& positions, Contact& contact) {
-  const WorldEdge edge = world_edge(step, contact.obstacle, -1 - contact.point);
+  const WorldEdge edge = world_edge(step, contact.obstacle, contact.point.index);
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, edge.point);
   EdgeHit hit;
   bool found = edge_hit(*step.model, positions, contact.hex, edge.point, own, hit);

@@ -135,11 +135,23 @@ Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& o
 double young_at(const Model& model, Eigen::Index hex, double time);
 double energy_limit_at(const Model& model, Eigen::Index hex, double time, EnergyPart part = EnergyPart::whole);
 
+enum class ContactKind {
+  vertex,         // a vertex of a body's surface against the obstacle
+  obstacle_edge,  // a point on the obstacle's edges against the body's surface
+};
+
+/// Which point it is that touches.
+struct ContactPoint {
+  ContactKind kind = ContactKind::vertex;
+  int index = -1;  // in Model::surface, or among the obstacle's edge points
+  bool operator==(const ContactPoint&) const = default;
+};
+
 /// Everything that influences later steps, and nothing else.
 struct State {
   /// Impulse of a contact of the last step, for warm starts.
   struct ContactImpulse {
-    int point = -1;  // surface vertex; or -1 - (obstacle's edge point)
+    ContactPoint point;
     int obstacle = -1;
     int hex = -1;                         // that held it
     Vector3d impulse = Vector3d::Zero();  // [N s] world

@@ -136,16 +136,8 @@ std::vector<Contact> recall_contacts(const StepProblem& problem, const State& st
   const Model& model = *problem.model;
   std::vector<Contact> contacts;
   for (const State::ContactImpulse& memory : state.contacts) {
-    Contact contact;
-    contact.point = memory.point;
-    contact.obstacle = memory.obstacle;
-    contact.hex = memory.hex;
-    contact.impulse = memory.impulse;
-    contact.friction =
-        std::max(model.bodies[model.hex_body[memory.hex]].friction, model.obstacles[memory.obstacle].friction);
-    contact.weights =
-        memory.point >= 0 ? Vector8d(model.surface.weights.row(memory.point).transpose()) : Vector8d::Constant(0.125);
-    contacts.push_back(contact);
+    contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
+    contacts.back().impulse = memory.impulse;
   }
   update_contacts(problem.contact, positions, contacts);
   return contacts;

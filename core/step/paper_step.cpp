@@ -82,7 +82,7 @@ void apply_remembered_impulses(PaperIterate& iterate) {
 // contacts of obstacle edges slide through the material: their columns follow, and so does the effect of their impulses
 void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-    if (iterate.contacts[i].point >= 0) continue;
+    if (iterate.contacts[i].point.kind != ContactKind::obstacle_edge) continue;
     MatrixXd columns = MatrixXd::Zero(iterate.velocity.size(), 3);
     for (int axis = 0; axis < 3; ++axis)
       spread(*problem.model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(axis));

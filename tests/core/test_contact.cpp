@@ -208,7 +208,7 @@ TEST_CASE("gaps followed along their normals are those of a fresh detection for 
   std::vector<Contact> contacts;
   add_contacts(contact_step, model.rest_positions, 0.5, contacts);
   int edges = 0;
-  for (const Contact& contact : contacts) edges += contact.point < 0;
+  for (const Contact& contact : contacts) edges += contact.point.kind == ContactKind::obstacle_edge;
   REQUIRE(edges > 0);
   REQUIRE(edges < int(contacts.size()));
   std::vector<Contact> followed = contacts, fresh = contacts;

@@ -49,12 +49,12 @@ double contact_residual(const ReferenceStep& step, const State& after, const Sta
   Vector3d moved = Vector3d::Zero();
   for (int n = 0; n < 8; ++n) {
     const int node = model.hexes(contact.hex, n);
-    mass += model.surface.weights(contact.point, n) * model.node_mass[node];
-    moved += model.surface.weights(contact.point, n) *
+    mass += model.surface.weights(contact.point.index, n) * model.node_mass[node];
+    moved += model.surface.weights(contact.point.index, n) *
              (after.positions.row(node) - step.before.positions.row(node)).transpose();
   }
   const double stiffness = mass / (step.h * step.h);
-  const double gap = test::ground_gap(step, after.positions, contact.point);
+  const double gap = test::ground_gap(step, after.positions, contact.point.index);
   const Vector3d force = contact.impulse / step.h;
   // complementary: whatever is smaller vanishes
   const double normal = std::abs(std::min(force.y(), stiffness * gap));

@@ -295,7 +295,7 @@ ReferenceForces reference_forces(const ReferenceStep& step, const State& after) 
   for (const State::ContactImpulse& contact : after.contacts)
     for (int n = 0; n < 8; ++n)
       forces.contact.row(model.hexes(contact.hex, n)) -=
-          model.surface.weights(contact.point, n) * contact.impulse.transpose() / step.h;
+          model.surface.weights(contact.point.index, n) * contact.impulse.transpose() / step.h;
   return forces;
 }
 

@@ -25,8 +25,8 @@ State strange_state(const Model& model) {
   state.positions(0, 0) = -0.0;
   state.velocities(1, 2) = 1e-308;
   state.limit_multipliers.setConstant(model.num_hexes(), 1.0 / 3);
-  state.contacts = {{.point = 7, .obstacle = 0, .hex = 3, .impulse = Vector3d(0.1, 1e-17, -3)},
-                    {.point = -4, .obstacle = 2, .hex = 5, .impulse = Vector3d(1, 2, 3)}};
+  state.contacts = {{.point = {ContactKind::vertex, 7}, .obstacle = 0, .hex = 3, .impulse = Vector3d(0.1, 1e-17, -3)},
+                    {.point = {ContactKind::obstacle_edge, 3}, .obstacle = 2, .hex = 5, .impulse = Vector3d(1, 2, 3)}};
   return state;
 }
 
@@ -53,11 +53,22 @@ TEST_CASE("a state comes back from its file with the same bits") {
   CHECK(same_bits(back.velocities, state.velocities));
   CHECK(same_bits(back.limit_multipliers, state.limit_multipliers));
   REQUIRE(back.contacts.size() == 2);
-  CHECK(back.contacts[0].point == 7);
-  CHECK(back.contacts[1].point == -4);
+  CHECK(back.contacts[0].point == state.contacts[0].point);
+  CHECK(back.contacts[1].point == state.contacts[1].point);
   CHECK(back.contacts[1].obstacle == 2);
   CHECK(back.contacts[1].hex == 5);
   CHECK(back.contacts[0].impulse == state.contacts[0].impulse);
+}
+
+TEST_CASE("edge points of obstacles have numbers below zero in the file") {
+  const Model model = make_model({falling_block({2, 3, 1})}, {});
+  const std::string bytes = encode_state(strange_state(model), some_digest);
+  const std::size_t record = 4 * sizeof(std::int32_t) + 3 * sizeof(double), checksum = 64;
+  std::int32_t vertex = 0, edge = 0;
+  std::memcpy(&vertex, &bytes[bytes.size() - checksum - 2 * record], sizeof vertex);
+  std::memcpy(&edge, &bytes[bytes.size() - checksum - record], sizeof edge);
+  CHECK(vertex == 7);
+  CHECK(edge == -4);
 }
 
 TEST_CASE("the same state gives the same file") {

@@ -200,6 +200,15 @@ Reader open_state(std::string_view bytes, const std::string& where, Digest& mode
   return Reader(bytes.substr(header_size, body_size - header_size), where);
 }
 
+// Edge points of obstacles have the numbers below zero.
+std::int32_t number_of(const ContactPoint& point) {
+  return point.kind == ContactKind::vertex ? point.index : -1 - point.index;
+}
+ContactPoint point_of(std::int32_t number) {
+  if (number >= 0) return {ContactKind::vertex, number};
+  return {ContactKind::obstacle_edge, -1 - number};
+}
+
 }  // namespace
 
 Digest model_digest(const Model& model, const StepOptions& options) {
@@ -245,7 +254,7 @@ std::string encode_state(const State& state, const Digest& model) {
   writer.put(std::uint64_t(contacts.size()));
   for (const auto& contact : contacts) {
     const auto& [point, obstacle, hex, impulse] = contact;
-    writer.put_all(std::int32_t(point), std::int32_t(obstacle), std::int32_t(hex), std::int32_t(0));
+    writer.put_all(number_of(point), std::int32_t(obstacle), std::int32_t(hex), std::int32_t(0));
     writer.put_all(impulse.x(), impulse.y(), impulse.z());
   }
   writer.bytes.append(sha256_hex(writer.bytes));
@@ -263,7 +272,7 @@ State decode_state(std::string_view bytes, const std::string& where, Digest& mod
   state.limit_multipliers = reader.get_vector();
   state.contacts.resize(reader.get_count(4 * sizeof(std::int32_t) + 3 * sizeof(double)));
   for (auto& contact : state.contacts) {
-    contact.point = reader.get<std::int32_t>();
+    contact.point = point_of(reader.get<std::int32_t>());
     contact.obstacle = reader.get<std::int32_t>();
     contact.hex = reader.get<std::int32_t>();
     reader.get<std::int32_t>();
