@@ -26,13 +26,13 @@ struct AllowedDepth {
   double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work, up to a share
 };
 
-AllowedDepth allowed_depth(const ContactStep& step, int obstacle, int hex, const Vector8d& weights) {
-  const Vector3d before = embedded_position(*step.model, step.positions_t0, hex, weights);
+AllowedDepth allowed_depth(const ContactStep& step, int obstacle, const Support& support) {
+  const Vector3d before = embedded_position(*step.model, step.positions_t0, support);
   const double depth =
       -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
-  const double tolerance = tolerance_depth(*step.model, hex);
+  const double tolerance = tolerance_depth(*step.model, support.hex);
   if (depth <= tolerance) return {0, std::clamp(depth, 0.0, kept_share * tolerance)};
-  return {std::max(0.0, depth - step.recovery[step.model->hex_body[hex]]), 0};
+  return {std::max(0.0, depth - step.recovery[step.model->hex_body[support.hex]]), 0};
 }
 
 // distance of a vertex at the end of the step and the outward direction, in the world
@@ -44,9 +44,9 @@ DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3
 }
 
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
-  const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
+  const Vector3d position = embedded_position(*step.model, positions, contact.support);
   const DistanceSample sample = end_distance(step, contact.obstacle, position);
-  const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.hex, contact.weights);
+  const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.support);
   contact.gap = sample.distance + allowed.deep + allowed.shallow;
   contact.position = position;
   contact.normal = sample.gradient;
@@ -82,7 +82,7 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
     const int point = geometry.hex_points[k];
     double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
     if (gap < deepest.gap - tie)
-      gap += allowed_depth(step, obstacle, hex, model.surface.weights.row(point).transpose()).deep;
+      gap += allowed_depth(step, obstacle, {hex, model.surface.weights.row(point).transpose()}).deep;
     if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
   }
   return deepest.point.index >= 0;
@@ -121,9 +121,9 @@ double tolerance_depth(const Model& model, int hex) {
   return penetration_tolerance * model.bodies[model.hex_body[hex]].cell_size;
 }
 
-Vector3d embedded_position(const Model& model, const Points& positions, int hex, const Vector8d& weights) {
+Vector3d embedded_position(const Model& model, const Points& positions, const Support& support) {
   Vector3d position = Vector3d::Zero();
-  for (int n = 0; n < 8; ++n) position += weights[n] * positions.row(model.hexes(hex, n)).transpose();
+  for (int n = 0; n < 8; ++n) position += support.weights[n] * positions.row(model.hexes(support.hex, n)).transpose();
   return position;
 }
 
@@ -131,9 +131,10 @@ Contact make_contact(const Model& model, const ContactPoint& point, int obstacle
   Contact contact;
   contact.point = point;
   contact.obstacle = obstacle;
-  contact.hex = hex;
-  contact.weights = point.kind == ContactKind::vertex ? Vector8d(model.surface.weights.row(point.index).transpose())
-                                                      : Vector8d::Constant(0.125);
+  contact.support.hex = hex;
+  contact.support.weights = point.kind == ContactKind::vertex
+                                ? Vector8d(model.surface.weights.row(point.index).transpose())
+                                : Vector8d::Constant(0.125);
   contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
   return contact;
 }
@@ -176,7 +177,7 @@ void update_contacts(const ContactStep& step, const Points& positions, std::vect
 
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) {
-    const Vector3d position = embedded_position(*step.model, positions, contact.hex, contact.weights);
+    const Vector3d position = embedded_position(*step.model, positions, contact.support);
     contact.gap += contact.normal.dot(position - contact.position);
     contact.position = position;
   }

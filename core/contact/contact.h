@@ -13,12 +13,17 @@
 
 namespace umax {
 
+/// A point of a body that rides in a hex, by the weights of its nodes.
+struct Support {
+  int hex = 0;
+  Vector8d weights = Vector8d::Zero();
+};
+
 /// One contact constraint of the working set.
 struct Contact {
   ContactPoint point;
   int obstacle = 0;  // index into Model::obstacles
-  int hex = 0;       // where on the body, with
-  Vector8d weights = Vector8d::Zero();
+  Support support;   // where on the body; what follows from it: core/contact/contact_support.h
   Vector3d normal = Vector3d::UnitY();          // world, out of the obstacle
   double gap = 0;                               // [m] to be kept >= 0: distance and the depth still allowed
   double friction = 0;                          // [-]
@@ -75,7 +80,7 @@ std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& pos
 /// The deepest surface vertex at the given time [m], 0 if none penetrates.
 double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time);
 
-/// Position of a point that rides in a hex.
-Vector3d embedded_position(const Model& model, const Points& positions, int hex, const Vector8d& weights);
+/// Position of a point of a body.
+Vector3d embedded_position(const Model& model, const Points& positions, const Support& support);
 
 }  // namespace umax

@@ -159,20 +159,20 @@ void place_edge_contact(const ContactStep& step, const Points& positions, Contac
   const WorldEdge edge = world_edge(step, contact.obstacle, contact.point.index);
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, edge.point);
   EdgeHit hit;
-  bool found = edge_hit(*step.model, positions, contact.hex, edge.point, own, hit);
+  bool found = edge_hit(*step.model, positions, contact.support.hex, edge.point, own, hit);
   if (!found) {
-    const Model::BodyRange& body = step.model->bodies[step.model->hex_body[contact.hex]];
+    const Model::BodyRange& body = step.model->bodies[step.model->hex_body[contact.support.hex]];
     const int hex = holding_hex(step, positions, body, bounding_spheres(*step.model, positions, body), edge.point, hit);
-    if (hex >= 0) contact.hex = hex;
-    found = hex >= 0 || edge_hit(*step.model, positions, contact.hex, edge.point, around, hit);
+    if (hex >= 0) contact.support.hex = hex;
+    found = hex >= 0 || edge_hit(*step.model, positions, contact.support.hex, edge.point, around, hit);
   }
   if (!found) {  // far away: the gap to where it last was
-    const Vector3d material = embedded_position(*step.model, positions, contact.hex, contact.weights);
+    const Vector3d material = embedded_position(*step.model, positions, contact.support);
     contact.gap = (material - edge.point).dot(contact.normal);
     contact.position = material;
     return;
   }
-  contact.weights = hit.weights;
+  contact.support.weights = hit.weights;
   contact.gap = hit.gap;
   contact.position = edge.point;
   contact.normal = hit.normal;

@@ -140,7 +140,7 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
       quality.limit_work += (multiplier > 0 ? multiplier : largest) * std::abs(1 - ratio);
   }
   for (const Contact& contact : iterate.contacts)
-    quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact.hex));
+    quality.depth = std::max(quality.depth, -contact.gap / tolerance_depth(model, contact));
   quality.kkt =
       kkt_residual(problem, iterate.evaluation, iterate.positions, limit_factors(problem, iterate), iterate.contacts);
   return quality;

@@ -97,25 +97,16 @@ VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Mat
   return ratios;
 }
 
-void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal) {
-  for (int n = 0; n < 8; ++n) nodal.segment<3>(3 * model.hexes(contact.hex, n)) += contact.weights[n] * force;
-}
-
-double contact_mass(const Model& model, const Contact& contact) {
-  double mass = 0;
-  for (int n = 0; n < 8; ++n) mass += contact.weights[n] * model.node_mass[model.hexes(contact.hex, n)];
-  return mass;
-}
-
 Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
   const Model& model = *problem.model;
-  return embedded_position(model, positions, contact.hex, contact.weights) -
-         embedded_position(model, problem.positions_t0, contact.hex, contact.weights) - contact.obstacle_motion;
+  return embedded_position(model, positions, contact.support) -
+         embedded_position(model, problem.positions_t0, contact.support) - contact.obstacle_motion;
 }
 
 double contact_penalty(const StepProblem& problem, const Contact& contact) {
   const Model& model = *problem.model;
-  const double stiffness = problem.materials.young[contact.hex] * model.bodies[model.hex_body[contact.hex]].cell_size;
+  const double stiffness =
+      problem.materials.young[support_of(contact).hex] * model.bodies[body_of(model, contact)].cell_size;
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 
@@ -129,7 +120,7 @@ void remember_contacts(const std::vector<Contact>& contacts, State& state) {
   state.contacts.clear();
   for (const Contact& contact : contacts)
     if (contact.impulse.squaredNorm() > 0)
-      state.contacts.push_back({contact.point, contact.obstacle, contact.hex, contact.impulse});
+      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, contact.impulse});
 }
 
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/contact/contact.h"
+#include "core/contact/contact_support.h"
 #include "core/problem/linear_plan.h"
 
 namespace umax {
@@ -47,12 +47,6 @@ void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<
 /// U/U_max of every limit at the positions, rotations fresh: #L.
 VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Materials& materials,
                       const Points& positions);
-
-/// Adds w^T f: spreads a force at an embedded point onto its hex's nodes.
-void spread(const Model& model, const Contact& contact, const Vector3d& force, Eigen::Ref<VectorXd> nodal);
-
-/// Mass [kg] of the nodes around a contact point, by its weights.
-double contact_mass(const Model& model, const Contact& contact);
 
 /// Motion [m] of a contact point relative to the obstacle during the step that ends at the positions.
 Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact);

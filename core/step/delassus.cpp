@@ -11,9 +11,9 @@ namespace {
 constexpr Eigen::Index columns_per_block = 48;
 
 bool is_last(const Model& model, const SparseCholesky& cholesky, const Contact& contact) {
-  for (int n = 0; n < 8; ++n)
-    if (cholesky.last_row(model.hexes(contact.hex, n)) < 0) return false;
-  return true;
+  bool is_last = true;
+  for_each_node(model, contact, [&](int node, double) { is_last = is_last && cholesky.last_row(node) >= 0; });
+  return is_last;
 }
 
 // L^-1 J^T of the contacts from `first` on
@@ -33,12 +33,11 @@ MatrixXd half_columns_last(const Model& model, const SparseCholesky& cholesky, c
                            std::size_t first) {
   MatrixXd columns = MatrixXd::Zero(cholesky.num_last(), 3 * Eigen::Index(contacts.size() - first));
   for (std::size_t i = first; i < contacts.size(); ++i)
-    for (int n = 0; n < 8; ++n) {
-      const int node = model.hexes(contacts[i].hex, n);
-      if (model.node_fixed[node]) continue;
+    for_each_node(model, contacts[i], [&](int node, double weight) {
+      if (model.node_fixed[node]) return;
       for (int axis = 0; axis < 3; ++axis)
-        columns(cholesky.last_row(node) + axis, 3 * Eigen::Index(i - first) + axis) = contacts[i].weights[n];
-    }
+        columns(cholesky.last_row(node) + axis, 3 * Eigen::Index(i - first) + axis) = weight;
+    });
   cholesky.half_solve_last(columns);
   return columns;
 }

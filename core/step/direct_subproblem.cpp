@@ -19,12 +19,11 @@ ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate
                                        const MatrixXd& W) {
   ComplementarityProblem contact;
   contact.q.resize(W.rows());
-  const Points moved = iterate.positions - problem.positions_t0;
-  const Points step = unflatten(free_step);
+  const VectorXd moved = flatten(iterate.positions - problem.positions_t0);
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
     const Contact& c = iterate.contacts[i];
-    const Vector3d relative = embedded_position(*problem.model, moved, c.hex, c.weights) - c.obstacle_motion;
-    contact.q.segment<3>(3 * Eigen::Index(i)) = relative + embedded_position(*problem.model, step, c.hex, c.weights);
+    const Vector3d relative = contact_motion(*problem.model, c, moved) - c.obstacle_motion;
+    contact.q.segment<3>(3 * Eigen::Index(i)) = relative + contact_motion(*problem.model, c, free_step);
     contact.contacts.push_back({c.normal, c.friction, c.gap - c.normal.dot(relative)});
   }
   contact.W = W;
@@ -87,7 +86,7 @@ std::vector<int> nodes_near_obstacles(const StepProblem& problem, const Iterate&
   for (const int hex : hexes_near_obstacles(problem.contact, iterate.positions, reordering_margin))
     for (int n = 0; n < 8; ++n) near[model.hexes(hex, n)] = 1;
   for (const Contact& contact : iterate.contacts)
-    for (int n = 0; n < 8; ++n) near[model.hexes(contact.hex, n)] = 1;
+    for_each_node(model, contact, [&](int node, double) { near[node] = 1; });
   for (int node = 0; node < int(near.size()); ++node)
     if (near[node]) nodes.push_back(node);
   if (double(nodes.size()) > std::min(most_reordered, most_reordered_share * double(model.num_nodes()))) nodes.clear();

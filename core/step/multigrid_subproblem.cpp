@@ -85,7 +85,7 @@ bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vec
               const VectorXd& w, double allowed) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double gap = rows[i].bias + rows[i].normal.dot(w.segment<3>(3 * Eigen::Index(i)));
-    const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i].hex);
+    const double bearable = problem.joining_share * tolerance_depth(*problem.model, iterate.contacts[i]);
     if (gap < -std::max(allowed, clear_share * bearable)) return false;
   }
   return true;

@@ -102,13 +102,13 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
   std::vector<Numbering> numberings(levels.size());
   std::vector<int> of_body;
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    if (model.hex_body[contacts[i].hex] == body) of_body.push_back(int(i));
+    if (body_of(model, contacts[i]) == body) of_body.push_back(int(i));
   for (const int i : of_body) {
     MultilevelCompliance::Point& point = compliance.points[i];
     point.body = body;
-    const Eigen::Index cell = contacts[i].hex - model.bodies[body].first_hex;
+    const Eigen::Index cell = support_of(contacts[i]).hex - model.bodies[body].first_hex;
     Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice().first_cell,
-                contacts[i].weights};
+                support_of(contacts[i]).weights};
     for (std::size_t l = 0; l < levels.size(); ++l) {
       if (l > 0) place = coarser(place, levels[l - 1].factor);
       Share share;

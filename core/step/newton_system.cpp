@@ -81,17 +81,17 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
   }
 }
 
-// a contact touches the nodes of one hex only
+// J^T stiffness J
 void add_contact_matrix(const Contact& contact, const Matrix3d& stiffness, Matrix24d& element) {
+  const Vector8d& weights = support_of(contact).weights;
   for (int m = 0; m < 8; ++m)
-    for (int n = 0; n < 8; ++n)
-      element.block<3, 3>(3 * m, 3 * n) += contact.weights[m] * contact.weights[n] * stiffness;
+    for (int n = 0; n < 8; ++n) element.block<3, 3>(3 * m, 3 * n) += weights[m] * weights[n] * stiffness;
 }
 
 // indices of the contacts whose stiffness joins the matrix; no lists where none does
 std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate& iterate, const Linearisation& at) {
   std::vector<std::vector<int>> in_hex(at.contacts.empty() ? 0 : model.num_hexes());
-  for (std::size_t i = 0; i < at.contacts.size(); ++i) in_hex[iterate.contacts[i].hex].push_back(int(i));
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) in_hex[support_of(iterate.contacts[i]).hex].push_back(int(i));
   return in_hex;
 }
 
@@ -105,8 +105,9 @@ void append_contact_terms(const Contact& contact, const ContactTerms& at, const 
     if (!(stiffness > negligible_direction * eigen.eigenvalues()[2])) continue;
     const Vector3d direction = eigen.eigenvectors().col(i);
     RankOneTerm term;
-    term.hex = contact.hex;
-    for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = contact.weights[n] * std::sqrt(stiffness) * direction;
+    term.hex = support_of(contact).hex;
+    for (int n = 0; n < 8; ++n)
+      term.vector.segment<3>(3 * n) = support_of(contact).weights[n] * std::sqrt(stiffness) * direction;
     term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
     terms.push_back(term);
   }

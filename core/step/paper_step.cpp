@@ -131,13 +131,8 @@ MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const
   const Eigen::Index num_contact_rows = iterate.contact_columns.cols(), num_limits = limit_columns.cols();
   MatrixXd W = MatrixXd::Zero(num_contact_rows + num_limits, num_contact_rows + num_limits);
   const auto fill = [&](Eigen::Index column, const auto& response) {
-    for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-      const Contact& contact = iterate.contacts[i];
-      Vector3d sum = Vector3d::Zero();
-      for (int n = 0; n < 8; ++n)
-        sum += contact.weights[n] * response.template segment<3>(3 * model.hexes(contact.hex, n));
-      W.col(column).segment<3>(3 * Eigen::Index(i)) = sum;
-    }
+    for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
+      W.col(column).segment<3>(3 * Eigen::Index(i)) = contact_motion(model, iterate.contacts[i], response);
     for (std::size_t l = 0; l < limits.size(); ++l) {
       double sum = 0;
       for (int n = 0; n < 8; ++n)
@@ -167,7 +162,7 @@ ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate&
     const Contact& contact = iterate.contacts[i];
     const Vector3d obstacle_velocity = contact.obstacle_motion / problem.h;
     const auto relative = [&](const Points& v) -> Vector3d {
-      return embedded_position(model, v, contact.hex, contact.weights) - obstacle_velocity;
+      return embedded_position(model, v, support_of(contact)) - obstacle_velocity;
     };
     lcp.q.segment<3>(3 * Eigen::Index(i)) = relative(velocity);
     lcp.contacts.push_back(
@@ -221,7 +216,7 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
 // deepest working-set gap relative to its tolerance; negative beyond -1 means too deep
 double worst_gap(const Model& model, const std::vector<Contact>& contacts) {
   double worst = 0;
-  for (const Contact& contact : contacts) worst = std::min(worst, contact.gap / tolerance_depth(model, contact.hex));
+  for (const Contact& contact : contacts) worst = std::min(worst, contact.gap / tolerance_depth(model, contact));
   return worst;
 }
 

@@ -184,10 +184,10 @@ TEST_CASE("detection names the deepest vertex of each touching hex") {
   std::vector<Contact> contacts;
   REQUIRE(add_contacts(contact_step, state.positions, 0.5, contacts) == 2);
   for (const Contact& contact : contacts) {
-    const double hex_start = contact.hex == 0 ? 0 : 0.1;
+    const double hex_start = contact.support.hex == 0 ? 0 : 0.1;
     CHECK(contact.gap == Approx(-0.01 + 0.04 * hex_start).margin(0.04 * 0.035));
     CHECK((contact.normal - Vector3d::UnitY()).norm() < 1e-15);
-    const Vector3d at = embedded_position(model, state.positions, contact.hex, contact.weights);
+    const Vector3d at = embedded_position(model, state.positions, contact.support);
     CHECK(at.y() == Approx(contact.gap));
   }
   CHECK(max_penetration(model, geometry, state.positions, 0) == Approx(0.01));
