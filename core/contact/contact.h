@@ -29,7 +29,7 @@ struct Contact {
   double friction = 0;                          // [-]
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
   Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
-  Vector3d impulse = Vector3d::Zero();          // [N s] world, on the body
+  Vector3d force = Vector3d::Zero();            // [N] world, on the body
 };
 
 /// A contact of the point, which the hex holds, in no place yet: update_contacts() gives it one.

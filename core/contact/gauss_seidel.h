@@ -1,6 +1,6 @@
 // Projected Gauss-Seidel for energy limits and frictional contacts together.  [PPO13] Eq. 23, Sect. 5
 //
-// Unknowns z: 3 world components of impulse per contact, then one multiplier per limit; w = W z + q.
+// Unknowns z: 3 world components of force (or impulse) per contact, then one multiplier per limit; w = W z + q.
 //   contact i:  n.w_i + bias_i >= 0  perp  n.z_i >= 0,   |z_t| <= friction n.z, z_t opposes w_t (Coulomb's cone)
 //   limit e:    w_e >= 0             perp  z_e >= 0
 #pragma once

@@ -17,7 +17,7 @@ constexpr double negligible_motion = 1e-6;  // [cells] in a step: where nothing 
 // natural map of the cone complementarity in units of force: 0 iff gap, force and sliding satisfy Signorini and Coulomb
 double cone_residual(const StepProblem& problem, const Points& positions, const Contact& contact) {
   const double stiffness = contact_mass(*problem.model, contact) / (problem.h * problem.h);
-  const Vector3d force = contact.impulse / problem.h;
+  const Vector3d force = contact.force;
   const double normal_force = contact.normal.dot(force);
   const double normal = normal_force - std::max(0.0, normal_force - stiffness * contact.gap);
   const Vector3d motion = relative_motion(problem, positions, contact);
@@ -46,7 +46,7 @@ LargestForces largest_forces(const StepProblem& problem, const Evaluation& evalu
                              const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
   const Model& model = *problem.model;
   VectorXd contact = VectorXd::Zero(3 * model.num_nodes());
-  for (const Contact& c : contacts) spread(model, c, c.impulse / problem.h, contact);
+  for (const Contact& c : contacts) spread(model, c, c.force, contact);
   std::vector<LargestForces> of_blocks(std::size_t((model.num_nodes() + nodes_per_block - 1) / nodes_per_block));
   parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];

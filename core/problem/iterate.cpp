@@ -100,7 +100,7 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
   for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
     if (model.node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
   iterate.multipliers.setZero();
-  for (Contact& contact : iterate.contacts) contact.impulse.setZero();
+  for (Contact& contact : iterate.contacts) contact.force.setZero();
   update_contacts(problem.contact, iterate.positions, iterate.contacts);
   return iterate;
 }

@@ -19,7 +19,7 @@ struct Iterate {
   Points positions;               // #N x 3 [m]
   VectorXd multipliers;           // #L force-level [J]
   std::vector<char> released;     // #L limits that are left out of the next linearisation
-  std::vector<Contact> contacts;  // working set, impulses in N s
+  std::vector<Contact> contacts;  // working set
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
   std::vector<double> residuals;  // [-] KKT, of the iterates so far and of this one as soon as it is assessed
@@ -36,7 +36,7 @@ struct Quality {
 };
 
 /// Where nodes go by inertia, and where nothing holds their body up by gravity; the last step's multipliers and
-/// impulses.
+/// contact forces.
 Iterate predict(const StepProblem& problem, const State& state);
 
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.

@@ -116,11 +116,11 @@ double deepest(const std::vector<Contact>& contacts) {
   return depth;
 }
 
-void remember_contacts(const std::vector<Contact>& contacts, State& state) {
+void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state) {
   state.contacts.clear();
   for (const Contact& contact : contacts)
-    if (contact.impulse.squaredNorm() > 0)
-      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, contact.impulse});
+    if (contact.force.squaredNorm() > 0)
+      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, time_step * contact.force});
 }
 
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
@@ -128,7 +128,7 @@ std::vector<Contact> recall_contacts(const StepProblem& problem, const State& st
   std::vector<Contact> contacts;
   for (const State::ContactImpulse& memory : state.contacts) {
     contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
-    contacts.back().impulse = memory.impulse;
+    contacts.back().force = memory.impulse / problem.h;
   }
   update_contacts(problem.contact, positions, contacts);
   return contacts;

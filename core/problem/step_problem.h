@@ -57,8 +57,8 @@ double contact_penalty(const StepProblem& problem, const Contact& contact);
 /// Depth [m] of the deepest contact of a working set, 0 where all are open.
 double deepest(const std::vector<Contact>& contacts);
 
-/// The impulses that the next step starts from.
-void remember_contacts(const std::vector<Contact>& contacts, State& state);
+/// The impulses that the next step starts from: force times the time step [s], so that they suit steps of any size.
+void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state);
 
 /// Contacts of the last step that carried an impulse, placed at the given positions.
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions);

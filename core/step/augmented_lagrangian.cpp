@@ -26,7 +26,7 @@ Linearisation linearise(const StepProblem& problem, const Iterate& iterate) {
   for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l)
     if (problem.model->limits[l].kind == LimitKind::hard) at.limits[l].stiffening = at.limits[l].force;  // L's own
   for (const Contact& contact : iterate.contacts)
-    at.contacts.push_back(augmented_contact(contact, contact.impulse / problem.h,
+    at.contacts.push_back(augmented_contact(contact, contact.force,
                                             relative_motion(problem, iterate.positions, contact),
                                             contact_penalty(problem, contact)));
   return at;
@@ -103,11 +103,10 @@ void update_multipliers(const StepProblem& problem, Iterate& iterate) {
   for (Contact& contact : iterate.contacts) {
     const double penalty = contact_penalty(problem, contact);
     const Vector3d n = contact.normal;
-    const Vector3d pushed =
-        contact.impulse / problem.h - penalty * relative_motion(problem, iterate.positions, contact);
-    const double normal = std::max(0.0, n.dot(contact.impulse) / problem.h - penalty * contact.gap);
+    const Vector3d pushed = contact.force - penalty * relative_motion(problem, iterate.positions, contact);
+    const double normal = std::max(0.0, n.dot(contact.force) - penalty * contact.gap);
     const Vector3d tangential = project_to_disc(pushed - n.dot(pushed) * n, contact.friction * normal);
-    contact.impulse = problem.h * (normal * n + tangential);
+    contact.force = normal * n + tangential;
   }
 }
 

@@ -44,14 +44,14 @@ VectorXd solve_step(const StepProblem& problem, const SparseCholesky& cholesky, 
     if (!iterate.contacts.empty()) {
       VectorXd force(3 * Eigen::Index(iterate.contacts.size()));
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-        force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].impulse / problem.h;
+        force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
       report.linear_iterations +=
           gauss_seidel(contact_problem(problem, iterate, free_step, delassus.W),
                        {.max_sweeps = solver.max_sweeps, .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)}, force)
               .sweeps;
       VectorXd push = VectorXd::Zero(step.size());
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-        iterate.contacts[i].impulse = problem.h * force.segment<3>(3 * Eigen::Index(i));
+        iterate.contacts[i].force = force.segment<3>(3 * Eigen::Index(i));
         spread(model, iterate.contacts[i], force.segment<3>(3 * Eigen::Index(i)), push);
       }
       clear_fixed(model, push);

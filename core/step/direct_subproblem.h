@@ -13,7 +13,7 @@ namespace umax {
 void prepare_direct(const StepProblem& problem, const Iterate& iterate, Workspace::Data& workspace);
 
 /// The subproblem's step from the iterate. Contacts that it would push in too deep join the iterate's, and all of them
-/// get their impulses. Work is added to the report.
+/// get their forces. Work is added to the report.
 NewtonStep minimise_direct(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, Iterate& iterate,
                            Workspace::Data& workspace, StepReport& report);
 

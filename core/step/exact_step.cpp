@@ -157,7 +157,7 @@ StepReport exact_step(const StepProblem& problem, bool may_be_halved, Workspace:
   report.contacts = int(iterate.contacts.size());
   report.limits_active = count_hexes(*problem.model, limit_factors(problem, iterate));
   report.kkt_residual = iterate.residuals.back();
-  remember_contacts(iterate.contacts, state);
+  remember_contacts(iterate.contacts, problem.h, state);
   return report;
 }
 

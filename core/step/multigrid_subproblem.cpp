@@ -60,10 +60,9 @@ VectorXd push_of(const Model& model, const std::vector<Contact>& contacts, const
   return push;
 }
 
-VectorXd known_forces(const StepProblem& problem, const std::vector<Contact>& contacts) {
+VectorXd known_forces(const std::vector<Contact>& contacts) {
   VectorXd forces(3 * Eigen::Index(contacts.size()));
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    forces.segment<3>(3 * Eigen::Index(i)) = contacts[i].impulse / problem.h;
+  for (std::size_t i = 0; i < contacts.size(); ++i) forces.segment<3>(3 * Eigen::Index(i)) = contacts[i].force;
   return forces;
 }
 
@@ -148,7 +147,7 @@ NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& a
   ++report.factorisations;
   const Accuracy accuracy = accuracy_after(iterate.residuals, problem.options->solver.tolerance);
   MultigridSystem& system = *workspace.multigrid;
-  ContactSolution solution{.forces = known_forces(problem, iterate.contacts)};
+  ContactSolution solution{.forces = known_forces(iterate.contacts)};
   VectorXd missing = VectorXd::Zero(slope.size());
   if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (slope - system.offset_force);
   begin(model, missing, system);
@@ -158,7 +157,7 @@ NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& a
   for (int round = 0; round < max_contact_rounds; ++round) {
     if (!iterate.contacts.empty()) solve_contacts(problem, iterate, accuracy, system, report, solution);
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-      iterate.contacts[i].impulse = problem.h * solution.forces.segment<3>(3 * Eigen::Index(i));
+      iterate.contacts[i].force = solution.forces.segment<3>(3 * Eigen::Index(i));
     newton = multigrid_step(model, at, system);
     if (add_linearised_contacts(problem, newton.step, iterate) == 0) break;
     solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));

@@ -18,7 +18,7 @@ namespace umax {
 void prepare_multigrid(const StepProblem& problem, const Iterate& iterate, Workspace::Data& workspace);
 
 /// The subproblem's step from an iterate that has been assessed: its residuals tell how exactly to solve. Contacts that
-/// it would push in too deep join the iterate's, and all of them get their impulses. Work is added to the report.
+/// it would push in too deep join the iterate's, and all of them get their forces. Work is added to the report.
 NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
                               Iterate& iterate, Workspace::Data& workspace, StepReport& report);
 

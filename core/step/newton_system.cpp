@@ -134,7 +134,7 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
     if (at.limits[l].rank_one > 0) terms.push_back(limit_term(problem, iterate, at.limits[l], Eigen::Index(l)));
   }
   for (std::size_t i = 0; i < at.contacts.size(); ++i)
-    append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].impulse / problem.h, terms);
+    append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].force, terms);
   set_up(problem, iterate.positions, stiffening, terms, multigrid_system(model, workspace));
 }
 

@@ -18,9 +18,9 @@ struct PaperIterate {
   Points positions;               // x0 + h v
   VectorXd ratios;                // #L U/U_max at positions
   std::vector<char> candidate;    // #L violated at some iteration of this step
-  VectorXd multipliers;           // #L accumulated impulse-level
+  VectorXd multipliers;           // #L accumulated, force-level
   std::vector<Contact> contacts;  // working set
-  MatrixXd contact_columns;       // 3 #N x 3 #C: A^-1 J^T of the contacts
+  MatrixXd contact_columns;       // 3 #N x 3 #C: h A^-1 J^T of the contacts, velocities under unit forces
 };
 
 // A of Eq. 19 with the warped stiffness at x0; returns h f_el(x0)
@@ -57,7 +57,7 @@ void move_to_velocity(const StepProblem& problem, PaperIterate& iterate) {
   iterate.positions = problem.positions_t0 + problem.h * unflatten(iterate.velocity);
 }
 
-// A^-1 J^T for the three world directions of the contacts from `first` on
+// h A^-1 J^T for the three world directions of the contacts from `first` on
 void append_contact_columns(const StepProblem& problem, const SparseCholesky& cholesky, std::size_t first,
                             PaperIterate& iterate) {
   const Model& model = *problem.model;
@@ -70,16 +70,16 @@ void append_contact_columns(const StepProblem& problem, const SparseCholesky& ch
   clear_fixed(model, columns);
   cholesky.solve(columns);
   iterate.contact_columns.conservativeResize(3 * model.num_nodes(), old + count);
-  iterate.contact_columns.rightCols(count) = columns;
+  iterate.contact_columns.rightCols(count) = problem.h * columns;
 }
 
 // contacts of the last step push from the start
-void apply_remembered_impulses(PaperIterate& iterate) {
+void apply_remembered_forces(PaperIterate& iterate) {
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-    iterate.velocity += iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) * iterate.contacts[i].impulse;
+    iterate.velocity += iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) * iterate.contacts[i].force;
 }
 
-// contacts of obstacle edges slide through the material: their columns follow, and so does the effect of their impulses
+// contacts of obstacle edges slide through the material: their columns follow, and so does the effect of their forces
 void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
     if (iterate.contacts[i].point.kind != ContactKind::obstacle_edge) continue;
@@ -88,8 +88,9 @@ void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& chol
       spread(*problem.model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(axis));
     clear_fixed(*problem.model, columns);
     cholesky.solve(columns);
+    columns *= problem.h;
     auto known = iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i));
-    iterate.velocity += (columns - known) * iterate.contacts[i].impulse;
+    iterate.velocity += (columns - known) * iterate.contacts[i].force;
     known = columns;
   }
 }
@@ -124,7 +125,7 @@ MatrixXd scatter(const Model& model, const std::vector<int>& limits, const std::
   return columns;
 }
 
-// J A^-1 J^T row by row: J is sparse (8 nodes a row), A^-1 J^T given
+// h J A^-1 J^T row by row: J is sparse (8 nodes a row), h A^-1 J^T given
 MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const std::vector<int>& limits,
                   const std::vector<Vector24d>& rows, const MatrixXd& limit_columns) {
   const Model& model = *problem.model;
@@ -146,7 +147,7 @@ MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const
   return W;
 }
 
-// Eq. 23 at the current velocity: contact impulses are totals, limit multipliers increments. Gaps and ratios were taken
+// Eq. 23 at the current velocity: contact forces are totals, limit multipliers increments. Gaps and ratios were taken
 // at the positions; the velocity may have changed since (refresh_edge_columns).
 ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate& iterate,
                                  const std::vector<int>& limits, const std::vector<Vector24d>& rows, MatrixXd W,
@@ -191,11 +192,12 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
   const std::vector<Vector24d> rows = limit_rows(problem, limits, iterate.positions);
   MatrixXd limit_columns = scatter(model, limits, rows);
   cholesky.solve(limit_columns);
+  limit_columns *= problem.h;
 
   const Eigen::Index num_contact_rows = iterate.contact_columns.cols();
   VectorXd z = VectorXd::Zero(num_contact_rows + Eigen::Index(limits.size()));
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-    z.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].impulse;
+    z.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
   const VectorXd before = z;
   const ComplementarityProblem lcp =
       linearise(problem, iterate, limits, rows, delassus(problem, iterate, limits, rows, limit_columns), z);
@@ -207,7 +209,7 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
   iterate.velocity += iterate.contact_columns * change.head(num_contact_rows) +
                       limit_columns * change.tail(Eigen::Index(limits.size()));
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-    iterate.contacts[i].impulse = z.segment<3>(3 * Eigen::Index(i));
+    iterate.contacts[i].force = z.segment<3>(3 * Eigen::Index(i));
   for (std::size_t i = 0; i < limits.size(); ++i)
     iterate.multipliers[limits[i]] += z[num_contact_rows + Eigen::Index(i)];
   return result.sweeps;
@@ -256,10 +258,10 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   move_to_velocity(problem, iterate);
   iterate.contacts = recall_contacts(problem, state, iterate.positions);
   append_contact_columns(problem, workspace.cholesky, 0, iterate);
-  apply_remembered_impulses(iterate);
+  apply_remembered_forces(iterate);
   move_to_velocity(problem, iterate);
 
-  bool must_solve = !iterate.contacts.empty();  // remembered impulses are a guess, not a solution
+  bool must_solve = !iterate.contacts.empty();  // remembered forces are a guess, not a solution
   double largest_move = 0;
   while (true) {
     const bool hold = constraints_hold(problem, workspace.cholesky, iterate);
@@ -285,14 +287,14 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
 
   state.positions = iterate.positions;
   state.velocities = unflatten(iterate.velocity);
-  state.limit_multipliers = iterate.multipliers / problem.h;
+  state.limit_multipliers = iterate.multipliers;
   report.contacts = int(iterate.contacts.size());
   report.limits_active = count_hexes(model, iterate.multipliers);
   Evaluation evaluation;
   evaluate(problem, state.positions, evaluation);
   report.kkt_residual = kkt_residual(problem, evaluation, state.positions,
                                      state.limit_multipliers.cwiseQuotient(problem.materials.limits), iterate.contacts);
-  remember_contacts(iterate.contacts, state);
+  remember_contacts(iterate.contacts, problem.h, state);
   return report;
 }
 

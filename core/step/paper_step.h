@@ -6,7 +6,8 @@
 // Eq. 19 prints b = (M - h dF/dv) v0 + h F: the same, as F holds the damping force -D v0 that -h dF/dv v0 takes out.
 // Deviation: re-linearisation adds, v <- v + A^-1 J_k^T lambda_k with lambda_k >= 0 new each time, and every limit that
 // was violated once in the step stays a candidate. Starting again from v* with the total lambda diverges as soon as
-// lambda / U_max > 1, because A lacks the limits' curvature. Contact impulses are totals: they may shrink.
+// lambda / U_max > 1, because A lacks the limits' curvature. Contact forces are totals: they may shrink.
+// Deviation: unknowns are forces, lambda / h, as everywhere in this program.
 #pragma once
 
 #include "core/problem/step_problem.h"
