@@ -1,4 +1,4 @@
-// How long a surface of a given size takes to deform: the row of tools/bench.
+// Measures how long a surface of a given size takes to follow its cage: a row of tools/bench.
 #pragma once
 
 namespace umax {

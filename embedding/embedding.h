@@ -1,6 +1,8 @@
 // A surface that rides in the cage: every vertex keeps its place inside its hex while the hexes deform.
 //
-// [PPO13] Sect. 4.1: x(p) = sum_n N_n(s_p) x_n, with s_p the vertex's rest coordinates in its hex
+// [PPO13] Sect. 4.1   x(p) = sum_n N_n(s_p) x_n
+//
+// x(p): vertex p now [m];  s_p: its rest coordinates in its hex [-];  N_n, x_n: shape function and place of node n
 #pragma once
 
 #include <vector>

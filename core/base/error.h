@@ -1,4 +1,4 @@
-// The one exception for faults that the user can mend: where, what, the value found, and the remedy.
+// The one exception for faults that the user can mend: what kind it is, where, what, the value found, and the remedy.
 // Programming faults are asserts; trouble of the numerics is StepReport::status.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Central differences of an element's functions: what derivatives are held against, in tests and in
-// `umax reproduce corrections`.
+// Derivatives of an element's functions by central differences: what the derived formulas are compared with, in tests
+// and in `umax reproduce corrections`.
 #pragma once
 
 #include "core/base/types.h"

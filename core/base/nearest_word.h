@@ -1,4 +1,4 @@
-// "Did you mean …?": the candidate that takes the fewest edits.
+// "Did you mean …?": the known word nearest to a mistyped one, by the number of edits between them.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Loops over fixed blocks on all threads. A block's result never depends on which thread runs it.
+// Parallel loops whose results do not depend on the number of threads: over fixed blocks, each done by one thread.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,4 @@
-// A value that may change over time: keys with linear or smooth interpolation, held before the first and after the
-// last.
+// A value over time, given by keys: linear or smooth in between, constant before the first and after the last.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A triangle mesh as it travels between the rooms: read in embedding/, deformed by the lattice, drawn in render/.
+// A triangle mesh: positions, triangles and what may come with them. Read from files, deformed by a cage, drawn.
 #pragma once
 
 #include "core/base/types.h"

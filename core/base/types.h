@@ -1,4 +1,4 @@
-// Fixed-size and dynamic matrix types that every room shares. Rows of a matrix of points are points.
+// Names for the matrix types that all rooms share: points, triangles, hexes, small vectors. One row is one point.
 #pragma once
 
 #include <Eigen/Core>

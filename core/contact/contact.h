@@ -1,8 +1,12 @@
 // Contact between embedded surfaces and obstacles: which points touch, where, how deep.
 //
-// Unilateral constraint      g_i(x) >= 0      g_i: signed distance of surface point i to an obstacle at the step's end
-// [m] Linearised                 g_i + n . J_i dx >= 0,  J_i = the 8 trilinear weights of the point in its hex All
-// surface vertices are candidates, and sample points along the obstacles' edges against the body's surface. For the
+// Unilateral constraint   g_i(x) >= 0
+// Linearised              g_i + n . J_i dx >= 0
+//
+// g_i: signed distance of surface point i to an obstacle at the step's end [m];  n: unit normal out of the obstacle [-]
+// dx:  change of the node positions [m];  J_i: the 8 trilinear weights of the point in its hex [-]
+//
+// All surface vertices are candidates, and sample points along the obstacles' edges against the body's surface. For the
 // solve they are clustered: the deepest one per hex and obstacle joins the working set, again and again, until none of
 // the others lies deeper than the tolerance.
 #pragma once

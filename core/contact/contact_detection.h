@@ -1,4 +1,5 @@
-// What the detection of vertices and of edges shares.
+// How contacts are found: what its two halves share, vertices against obstacles (contact_detection.cpp) and obstacles'
+// edges against surfaces (edge_contact.cpp).
 #pragma once
 
 #include <cmath>

@@ -1,10 +1,14 @@
 // How a contact enters the minimisation of the augmented Lagrangian: what it adds to the potential, the forces and the
 // stiffness.
 //
-// With gap g, sliding s (the tangential motion against the obstacle during the step) and the force lambda known so far,
-//   normal    t = lambda_n - r g:                      pushes iff t > 0, then with force t
-//   friction  y = lambda_t - r s, clipped to a disc:   its radius, friction x lambda_n, stays during a minimisation, so
-//                                                      that both have a potential: Moreau's envelopes
+// Normal     t = lambda_n - r g                      pushes iff t > 0, then with force t
+//            potential  t^2 / (2 r)
+// Friction   y = lambda_t - r s                      pulls with y, clipped to the disc |y| <= c
+//            potential  |y|^2 / (2 r) inside the disc,  c (|y| - c/2) / r outside
+//
+// g: gap [m];  s: tangential motion against the obstacle during the step [m];  r: penalty [N/m]
+// lambda: the force known so far [N], n and t its normal and tangential parts;  c = friction coefficient x lambda_n [N]
+// c stays during a minimisation, so that friction has a potential as well: both are Moreau envelopes.
 #pragma once
 
 #include "core/contact/contact.h"

@@ -1,7 +1,10 @@
 // Edges and corners of obstacles against a body's surface: where a body's own vertices are too far apart to feel them.
 //
-// phi: rest distance of the body's surface; X(P): the material at the edge point P
-// gap = phi(X(P)) / |F^-T grad phi|,  normal = -F^-T grad phi / |F^-T grad phi|
+// gap    =  phi(X(P)) / |F^-T grad phi|
+// normal = -F^-T grad phi / |F^-T grad phi|
+//
+// phi: rest distance of the body's surface [m];  X(P): the material at the edge point P [m]
+// F: deformation gradient at P [-];  the gap is phi to first order in the deformed body [m]
 #pragma once
 
 #include <vector>

@@ -1,8 +1,11 @@
-// Projected Gauss-Seidel for energy limits and frictional contacts together.  [PPO13] Eq. 23, Sect. 5
+// Projected Gauss-Seidel for energy limits and frictional contacts together.                  [PPO13] Eq. 23, Sect. 5
 //
-// Unknowns z: 3 world components of force (or impulse) per contact, then one multiplier per limit; w = W z + q.
-//   contact i:  n.w_i + bias_i >= 0  perp  n.z_i >= 0,   |z_t| <= friction n.z, z_t opposes w_t (Coulomb's cone)
-//   limit e:    w_e >= 0             perp  z_e >= 0
+// Motion     w = W z + q
+// Contact i  n.w_i + bias_i >= 0  perp  n.z_i >= 0;   |z_t| <= friction n.z and z_t opposes w_t (Coulomb's cone)
+// Limit e    w_e >= 0             perp  z_e >= 0
+//
+// z: the unknowns, 3 world components of force [N] (or impulse [N s]) per contact, then one multiplier per limit;  W: #z x #z
+// a >= 0  perp  b >= 0:  both hold and a b = 0
 #pragma once
 
 #include <vector>

@@ -1,13 +1,21 @@
-// The exact Hessian as a rank-6 change of the warped stiffness. In the local frame, z_j = R^T dx_j, with the stacks
-// (24 x 3)
-//   Y_j = [y_j]x  and  W^T, block j: [h_j]x^T D^-1   (so w = W z is the local spin of R),
+// The exact Hessian as a rank-6 change of the warped stiffness, with the symbols of elastic_energy.h.
+//
+// In the local frame, z_j = R^T dx_j and q_j = g_j - p x h_j, with the stacks (24 x 3)
+//   Y_j          = [y_j]x
+//   (W^T)_j      = [h_j]x^T D^-1                       so that w = W z is the local spin of R
 // the derivatives are
-//   du = P z,  P = I + Y W          dp = D^-1 (sum_k (P z)_k x g_k - dD p) + (the part that is inside P^T K P)
-// and collecting terms in  H z = P^T K P z + (w x q_j)_j - (dp x h_j)_j  leaves
-//   H = K + L W + W^T L^T + W^T C W
-//   L_j = (K Y)_j - [g_j]x + h_j p^T - (h_j . p) I
-//   C   = sym( Y^T K Y - (sum_k y_k . g_k) I + sum_k y_k g_k^T + [p]x S ).
-// World frame: R K R^T + (R L)(R W^T)^T + ..., all blocks R applied node by node.
+//   du           = P z,   P = I + Y W
+//   dp           = D^-1 (sum_k (P z)_k x g_k - dD p) + (the part that is inside P^T K P)
+// and collecting terms in
+//   H z          = P^T K P z + (w x q_j)_j - (dp x h_j)_j
+// leaves
+//   H            = K + L W + W^T L^T + W^T C W
+//   L_j          = (K Y)_j - [g_j]x + h_j p^T - (h_j . p) I
+//   C            = sym(Y^T K Y - (sum_k y_k . g_k) I + sum_k y_k g_k^T + [p]x S)
+// In the world's frame
+//   R H R^T      = R K R^T + (R L)(R W^T)^T + ...      all blocks R applied node by node
+//
+// [a]x: matrix of the cross product with a;  here Y is the stack above, and K has Young's modulus in it
 #include "core/element/elastic_energy.h"
 
 #include <Eigen/Eigenvalues>

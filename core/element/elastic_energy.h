@@ -1,9 +1,15 @@
 // Co-rotational linear elasticity of one hexahedron: U, its gradient and its Hessian.
 //
-// [PPO13] Eq. 9-13:  U_e = Y/2 u^T K u,  u_j = R^T x_j - X_j,  R = polar(sum_j x_j h_j^T)
-// Exact gradient (R moves with x):   y_j = R^T x_j about the centroid, g = Y K u, S = R^T G, D = tr(S) I - S,
-//                                    p = D^-1 sum_j y_j x g_j,   dU/dx_j = R (g_j - p x h_j)
-// Exact Hessian: with q_j = g_j - p x h_j, see elastic_energy.cpp.
+// [PPO13] Eq. 9-13   U_e  = Y/2 u^T K u,   u_j = R^T x_j - X_j,   R = polar(G),   G = sum_j x_j h_j^T
+//
+// Exact gradient (R moves with x), about the centroid:
+//   y_j      = R^T x_j,   g = Y K u,   S = R^T G,   D = tr(S) I - S
+//   p        = D^-1 sum_j y_j x g_j
+//   dU/dx_j  = R (g_j - p x h_j)
+// Exact Hessian: elastic_energy.cpp.
+//
+// x_j, X_j: node j now and at rest [m];  u: displacement in the element's frame [m];  R: rotation, S: stretch [-]
+// h_j: gradient of the node's shape function at rest [1/m];  Y: Young's modulus [Pa];  K: stiffness for Y = 1 [m]
 // Deviation: the paper discards dR/dx; that leaves a spurious torque. The warped force R K u is kept for comparison.
 #pragma once
 

@@ -1,9 +1,12 @@
-// Energy limit           [PPO13] Eq. 14:  C_e(x) = 1 - U_e(x) / U_max >= 0                  [-]
-//                        [PPO13] Eq. 15:  dC_e/dx_j = -1/U_max dU_e/dx_j
-// x: 8 x 3 node positions [m]; U_e: element elastic energy [J]; U_max: its limit [J]
-// Correction: Eq. 16 counts the normal part twice (sigma:eps) and the shear part once (1/2 sigma:eps); the true energy
-// is 1/2 sigma:eps. Both are offered. Eq. 17 prints E2 where E3 belongs and H where H F^-1 belongs. Deviation: the
-// paper holds R fixed; LimitJacobian::exact lets it move.
+// Energy limit: the constraint that bounds an element's elastic energy, and its derivative.
+//
+// [PPO13] Eq. 14   C_e(x)     = 1 - U_e(x) / U_max  >= 0
+// [PPO13] Eq. 15   dC_e/dx_j  = -1/U_max  dU_e/dx_j
+//
+// x: 8 x 3 node positions [m];  U_e: element elastic energy [J];  U_max: its limit [J];  C_e: [-]
+// Corrections: Eq. 16 counts the normal part twice (sigma:eps) and the shear part once (1/2 sigma:eps); the true energy
+// is 1/2 sigma:eps. Both are offered. Eq. 17 prints E2 where E3 belongs and H where H F^-1 belongs.
+// Deviation: the paper holds R fixed; LimitJacobian::exact lets it move.
 #pragma once
 
 #include "core/element/elastic_energy.h"

@@ -1,15 +1,17 @@
 // Parts of a hex's energy that limits may bound, each a quadratic form Y/2 u^T K' u in the co-rotated displacement.
 //
-// whole       1/2 eps:E:eps
-// volumetric  1/2 K tr^2 eps,      K = Y/(3 (1 - 2v))
-// deviatoric  mu dev eps:dev eps,  mu = Y/(2 (1 + v));  volumetric + deviatoric = whole
-// fibre       1/2 Y (f.eps f)^2,   f the fibre's unit direction in the rest shape: what this stretch alone would cost
+// whole        1/2 eps:E:eps
+// volumetric   1/2 K tr^2 eps,       K  = Y / (3 (1 - 2 v))
+// deviatoric   mu dev eps:dev eps,   mu = Y / (2 (1 + v))       volumetric + deviatoric = whole
+// fibre        1/2 Y (f.eps f)^2     what the stretch along f alone would cost
 //
-// mean        the part integrated over the hex by the stiffness's quadrature
-// peak        V times its density at one quadrature point: the form of a constraint on the largest of the eight
+// mean         the part integrated over the hex by the stiffness's quadrature
+// peak         V times its density at one quadrature point: the form of a constraint on the largest of the eight
 //
-// All forms turn with the hex: u is taken in its own frame, so that the derivatives of core/element/elastic_energy.h serve
-// them.
+// eps: strain [-];  E: elasticity matrix [Pa];  Y: Young's modulus [Pa];  v: Poisson's ratio [-]
+// f: the fibre's unit direction in the rest shape [-];  V: the hex's rest volume [m^3];  densities: [J/m^3]
+// All forms turn with the hex: u is taken in its own frame, so that the derivatives of core/element/elastic_energy.h
+// serve them.
 #pragma once
 
 #include "core/element/hexahedron.h"

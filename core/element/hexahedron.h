@@ -1,7 +1,9 @@
 // Trilinear hexahedron: shape functions, 2x2x2 Gauss quadrature and what follows from the rest shape alone.
 //
-// [PPO13] Eq. 5:  N_n(s) = 1/8 (1 + s_n1 s_1)(1 + s_n2 s_2)(1 + s_n3 s_3),  s in [-1, 1]^3
-// [PPO13] Eq. 8:  quadrature points s_q = (+-1, +-1, +-1)/sqrt(3), weights 1
+// [PPO13] Eq. 5   N_n(s) = 1/8 (1 + s_n1 s_1)(1 + s_n2 s_2)(1 + s_n3 s_3),   s in [-1, 1]^3
+// [PPO13] Eq. 8   s_q    = (+-1, +-1, +-1) / sqrt(3),   w_q = 1
+//
+// N_n: shape function of node n [-];  s: local coordinates [-];  s_q, w_q: the 8 quadrature points and weights
 // Local node order [PPO13] Fig. 2: node n has s_n = (bit 2, bit 1, bit 0 of n), 0 -> -1, 1 -> +1; so z is fastest.
 // Correction: Eq. 9 needs B (6 x 24) made of MATERIAL derivatives dN/dX = H F^-1, not of H.
 #pragma once

@@ -1,12 +1,24 @@
-// How a limit enters the minimisation: what it adds to an element's gradient and Hessian.
+// How a limit on an energy enters the minimisation: what it adds to an element's gradient and Hessian.
 //
-// With s = 1 - U/U_max, G = dU/dx, H = d2U/dx2 of the measured energy U, a limit adds  force * G  and  stiffening * H +
-// rank_one * G G^T. hard  augmented Lagrangian, t = lambda + rho (U/U_max - 1):  active iff t > 0, then
-//       force = t/U_max,  stiffening = lambda/U_max (not t: the rank-one term already holds rho),  rank_one =
-//       rho/U_max^2
-// soft  relaxed log barrier kappa U_max phi(s):  phi = -log s for s >= delta, below it the quadratic with the same
-// value,
-//       slope and curvature at delta:  phi = 1/2 (((s - 2 delta)/delta)^2 - 1) - log delta
+// Gradient  + force G
+// Hessian   + stiffening H + rank_one G G^T
+//
+// Hard: augmented Lagrangian, active iff t > 0
+//   t          = lambda + rho (U/U_max - 1)
+//   energy     = t^2 / (2 rho)
+//   force      = t / U_max
+//   stiffening = lambda / U_max          not t: the rank-one term already holds rho
+//   rank_one   = rho / U_max^2
+//
+// Soft: relaxed logarithmic barrier
+//   energy     = kappa U_max phi(s),     s = 1 - U/U_max
+//   phi        = -log s                                            for s >= delta
+//   phi        = 1/2 (((s - 2 delta)/delta)^2 - 1) - log delta     below: the same value, slope and curvature at delta
+//   force      = stiffening = -kappa phi'
+//   rank_one   = kappa phi'' / U_max
+//
+// U: energy that the limit measures [J], G = dU/dx [N], H = d2U/dx2 [N/m];  U_max: its limit [J]
+// lambda: multiplier [J];  rho: penalty [J];  kappa, delta: SoftLimitOptions [-]
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,12 @@
 // Linear isotropic elasticity: moduli, and how a limit given as stretch, density or energy becomes another.
 //
-// [PPO13] Sect. 4.2:  E1 = Y (1-v) / ((1+v)(1-2v)),  E2 = Y v / ((1+v)(1-2v)),  E3 = Y / (2 (1+v))
-// Limit as uniaxial engineering strain s under uniaxial stress:  density = 1/2 Y s^2,  U_max = density * V
+// [PPO13] Sect. 4.2   E1      = Y (1 - v) / ((1 + v)(1 - 2 v))
+//                     E2      = Y v / ((1 + v)(1 - 2 v))
+//                     E3      = Y / (2 (1 + v))
+// Uniaxial stress     density = 1/2 Y s^2,   U_max = density V
+//
+// Y: Young's modulus [Pa];  v: Poisson's ratio [-];  E1, E2, E3: entries of the elasticity matrix [Pa]
+// s: limit as uniaxial engineering strain [-];  density: [J/m^3];  V: the hex's rest volume [m^3];  U_max: [J]
 #pragma once
 
 #include "core/base/types.h"

@@ -27,8 +27,9 @@ Matrix3d polar_by_svd(const Matrix3d& G) {
   return U * svd.matrixV().transpose();
 }
 
-// Newton's iteration X <- (a X + X^-T / a) / 2 with a = sqrt(|X^-1| / |X|) as long as X is far from orthogonal; for
-// well-conditioned X with det X > 0. cofactors = det(X) X^-T of the first iterate.
+// Newton's iteration, for well-conditioned X with det X > 0:
+//   X <- (a X + X^-T / a) / 2,   a = sqrt(|X^-1| / |X|) as long as X is far from orthogonal, then 1
+// cofactors_of_X = det(X) X^-T of the first iterate.
 Matrix3d polar_by_newton(Matrix3d X, Matrix3d cofactors_of_X, double det) {
   constexpr double far = 0.1, converged = 1e-17;  // squared change; the error left is half of it
   constexpr int max_iterations = 16;              // 9 suffice for condition numbers that come here

@@ -1,4 +1,5 @@
-// Rotations: the polar factor of a 3x3 matrix (proper, also for inverted and degenerate input), Euler angles.
+// Rotations: the one nearest to a 3x3 matrix (its polar factor, proper also for inverted and degenerate input), and
+// Euler angles.
 #pragma once
 
 #include "core/base/types.h"

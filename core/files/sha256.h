@@ -1,4 +1,4 @@
-// SHA-256 of texts and files: how a run tells that a mesh is still the one it was made with.
+// SHA-256 digests of texts and files: how a run tells that a mesh is still the one it was made with.
 #pragma once
 
 #include <filesystem>

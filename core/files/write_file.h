@@ -1,4 +1,4 @@
-// Files that are either whole or not there: written under a temporary name in the same folder, flushed, renamed.
+// Writes a file so that it is whole or not there: under a temporary name in the same folder, flushed, renamed.
 #pragma once
 
 #include <filesystem>

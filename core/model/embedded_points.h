@@ -1,4 +1,4 @@
-// Points that ride in hexahedra: a surface's vertices, probes, contact points.
+// Points inside hexes that move with them (surface vertices, probes, contact points): which hex, and where in it.
 #pragma once
 
 #include "core/base/types.h"

@@ -1,4 +1,4 @@
-// The limits of a model's hexes as one list of constraints, whatever energy they measure.
+// All energy limits of a model as one list of constraints: which hex, which part of its energy, how much.
 #pragma once
 
 #include "core/element/energy_limit.h"

@@ -1,4 +1,4 @@
-// The cage: hexahedra that share nodes. Regular (cells of one grid, as voxelize() makes them) or irregular.
+// The cage: hexahedra that share nodes. Regular (equal boxes of one grid, as voxelize() makes them) or irregular.
 #pragma once
 
 #include "core/base/types.h"

@@ -1,4 +1,4 @@
-// What is simulated (Model, constant during a run) and how it is at an instant (State).
+// The simulation's data: what is simulated (Model, constant during a run) and how it is at an instant (State).
 #pragma once
 
 #include <limits>

@@ -1,4 +1,4 @@
-// What bodies fall on: closed shapes with a signed distance, standing still or keyframed.
+// Obstacles, the rigid things that bodies fall on: closed shapes with a signed distance, at rest or keyframed.
 #pragma once
 
 #include <memory>

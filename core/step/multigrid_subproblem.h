@@ -1,9 +1,12 @@
 // The SQP's subproblem without a Delassus matrix: thousands of contacts beside a matrix K that is never stored.
 //
-//   dx = K^-1 (J^T f - grad),   w = J dx + ...:   gap + n.w >= 0  perp  f_n >= 0,   friction in Coulomb's cone
-// Proximal iterations: the contacts are solved against the multilevel compliance (core/step/multilevel_compliance.h) instead
-// of J K^-1 J^T. The linear system is then solved on with the change of the forces, from which the compliance learns;
-// what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them all.
+//   dx = K^-1 (J^T f - grad),   w = J dx + ...
+//   gap + n.w >= 0  perp  f_n >= 0,   friction in Coulomb's cone
+//
+// Proximal iterations: the contacts are solved against the multilevel compliance (core/step/multilevel_compliance.h)
+// instead of J K^-1 J^T. The linear system is then solved on with the change of the forces, from which the compliance
+// learns; what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them
+// all.
 //
 // Where the iterate's forces are in balance and only limits or contacts miss their tolerance, the right-hand side of
 // forces is left out: the step is the least one, in the matrix's norm, that restores them. What is left of forces would

@@ -1,4 +1,4 @@
-// Share of each cell's volume that lies inside a solid.
+// How much of each cell of a cage lies inside the solid, as a share of its volume.
 #pragma once
 
 #include "embedding/cage/cage_cells.h"

@@ -1,4 +1,4 @@
-// What zlib is needed for: blocks of compressed files, and checksums of the chunks of a PNG.
+// Inflates the compressed blocks of mesh files and computes the checksums of PNG chunks: all that needs zlib.
 #pragma once
 
 #include <cstddef>

@@ -2,7 +2,9 @@
 // open surfaces, whose holes are capped first.
 //
 // The directed triangles are a chain S with boundary dS (a sum of closed loops). Coning every connected part of dS from
-// its centroid gives C with dC = -dS, so that S + C is closed and has a whole winding number everywhere. Inside: not 0.
+// its centroid gives a cap C with
+//   dC = -dS
+// so that S + C is closed and has a whole winding number everywhere. Inside: not 0.
 #pragma once
 
 #include <functional>

@@ -1,8 +1,11 @@
-// FLIP: how different two pictures look when one alternates between them, per pixel in [0, 1].    [ANA*20]
+// FLIP: how different two pictures look when one alternates between them, per pixel in [0, 1].                 [ANA*20]
 // Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astrom, Fairchild: "FLIP: A Difference Evaluator for Alternating
-// Images", HPG 2020. Colour difference: contrast-sensitivity filters in a linear opponent space, Hunt-adjusted
-// CIELAB, HyAB distance, compressed to [0, 1]. Features: edges and points of the lightness. Delta = colour^(1 -
-// feature).
+// Images", HPG 2020.
+//
+//   delta = delta_colour^(1 - delta_feature)
+//
+// delta_colour: contrast-sensitivity filters in a linear opponent space, Hunt-adjusted CIELAB, HyAB distance,
+// compressed to [0, 1];  delta_feature: edges and points of the lightness, in [0, 1]
 #pragma once
 
 #include "render/image/image.h"

@@ -1,9 +1,12 @@
-// From scene-linear light to the 8-bit sRGB that a screen shows: exposure, a filmic curve, gamut.        [Lot16]
+// From scene-linear light to the 8-bit sRGB that a screen shows: exposure, a filmic curve, gamut.               [Lot16]
 // Curve per channel, after T. Lottes, "Advanced Techniques and Optimization of HDR Color Pipelines", GDC 2016:
-//   y = x^a / (x^(a d) b + c)      a: contrast in the mid tones, d: how hard the shoulder bends,
-// b and c such that mid grey stays where it is asked to and `white` becomes 1. Before the curve the channels are mixed
-// a little, so that bright saturated light runs to white instead of a primary; after it the mixing is undone and the
-// saturation raised.
+//
+//   y = x^a / (x^(a d) b + c)
+//
+// x: linear light, y: shown, both relative to white [-];  a: contrast in the mid tones;  d: how hard the shoulder bends
+// b, c: such that mid grey stays where it is asked to and `white` becomes 1
+// Before the curve the channels are mixed a little, so that bright saturated light runs to white instead of a primary;
+// after it the mixing is undone and the saturation raised.
 #pragma once
 
 #include "render/image/image.h"

@@ -1,11 +1,13 @@
 // How surfaces scatter light: a diffuse base under a glossy dielectric or metallic layer, and a clear coat.
 //
 //   f = f_coat + (1 - E_coat(o)) [ f_glossy + (1 - metallic) (1 - E_dielectric(o)) base / pi ]
-//   f_glossy, f_coat: GGX microfacets with height-correlated Smith shadowing [Heitz 2014], Schlick's Fresnel term,
-//   roughness as alpha = roughness^2, sampled by visible normals [Dupuy, Benyoub 2023, "Sampling visible GGX normals
-//   with spherical caps"], and scaled by 1 + F0 (1 - E) / E for the light that bounces among the facets [Turquin 2019].
-//   E(o): the layer's reflectance for light from direction o. Whatever a layer reflects is taken from what is below it:
-//   a white body in a white furnace is white for every look.
+//
+// f_glossy, f_coat: GGX microfacets with height-correlated Smith shadowing [Heitz 2014], Schlick's Fresnel term,
+// roughness as alpha = roughness^2, sampled by visible normals [Dupuy, Benyoub 2023, "Sampling visible GGX normals with
+// spherical caps"], and scaled for the light that bounces among the facets [Turquin 2019] by
+//   1 + F0 (1 - E) / E
+// E(o): the layer's reflectance for light from direction o;  F0: its Fresnel reflectance head-on;  all f [1/sr]
+// Whatever a layer reflects is taken from what is below it: a white body in a white furnace is white for every look.
 // Directions are local: z along the shading normal, both pointing away from the surface.
 #pragma once
 

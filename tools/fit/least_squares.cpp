@@ -20,8 +20,10 @@ struct Residuals {
   }
 };
 
-/// (J^T J)^-1 at the parameters, and HC3 (MacKinnon and White 1985): C J^T diag(r_i / (1 - h_i))^2 J C with h_i the
-/// leverages. Left empty where C does not exist. (ceres::Covariance would complain on the terminal.)
+/// Covariances of the parameters:
+///   C   = (J^T J)^-1
+///   HC3 = C J^T diag(r_i / (1 - h_i))^2 J C          MacKinnon and White 1985; h_i: leverages
+/// Left empty where C does not exist. (ceres::Covariance would complain on the terminal.)
 void add_covariances(ceres::Problem& problem, LeastSquaresSolution& solution) {
   ceres::CRSMatrix jacobian;
   std::vector<double> residuals;

@@ -1,16 +1,17 @@
 // Equations of [PPO13] as they are printed, mistakes and all: what corrections() holds core's laws against.
 //
-// Eq. 6:   G(s) = sum_n x_n dN_n/ds (X_n dN_n/ds)^-1                                   the inverse of every term
-// Eq. 9:   K_e = sum_q w_q B^T E B det F,  B = (diag(dN_1/ds) ... diag(dN_8/ds))       3 x 24, of H = dN/ds
-// Eq. 11:  du = R^T G - I
-// Eq. 13:  U_e = sum_q w_q e(du) det F
-// Eq. 15:  dC/dx_j = -det F / U_max sum_q w_q de/dx_j
-// Eq. 16:  e = sum_i u_ii (alpha_i u_11 + beta_i u_22 + gamma_i u_33) + sum_{i<k} 1/2 E3 (u_ik + u_ki)^2
-// Eq. 17:  de_i/dx_j  = delta h_ji r_i + u_ii (delta_1 delta_2 delta_3)                r_k: k-th row of R^T
-//          de_ik/dx_j = E2 (u_ik + u_ki)(h_jk r_i + h_ji r_k)                          h of H
-// Eq. 18:  delta = alpha_i u_11 + beta_i u_22 + gamma_i u_33,
+// Eq. 6    G(s) = sum_n x_n dN_n/ds (X_n dN_n/ds)^-1                                the inverse of every term
+// Eq. 9    K_e  = sum_q w_q B^T E B det F,   B = (diag(dN_1/ds) ... diag(dN_8/ds))   3 x 24, of H = dN/ds
+// Eq. 11   du   = R^T G - I
+// Eq. 13   U_e  = sum_q w_q e(du) det F
+// Eq. 15   dC/dx_j = -det F / U_max sum_q w_q de/dx_j
+// Eq. 16   e    = sum_i u_ii (alpha_i u_11 + beta_i u_22 + gamma_i u_33) + sum_{i<k} 1/2 E3 (u_ik + u_ki)^2
+// Eq. 17   de_i/dx_j  = delta h_ji r_i + u_ii (delta_1 delta_2 delta_3)
+//          de_ik/dx_j = E2 (u_ik + u_ki)(h_jk r_i + h_ji r_k)                        h of H
+// Eq. 18   delta   = alpha_i u_11 + beta_i u_22 + gamma_i u_33
 //          delta_k = alpha_i r_1k h_j1 + beta_i r_2k h_j2 + gamma_i r_3k h_j3
-// (alpha_i, beta_i, gamma_i): row i of the normal block of E, E1 on the diagonal and E2 beside it.
+//
+// r_k: k-th row of R^T;  alpha_i, beta_i, gamma_i: row i of the normal block of E, E1 on the diagonal and E2 beside it
 #pragma once
 
 #include "core/element/hexahedron.h"

@@ -1,9 +1,10 @@
 // Sect. 5 of [PPO13] as it is printed, for a model of a single hex: small enough to be written out densely.
 //
-// Eq. 19:      A v* = b,  A = M - h dF/dv - h^2 dF/dx,  b = (M - h dF/dv) v0 + h F
-// Eq. 20, 21:  v = v* + A^-1 J^T lambda with the TOTAL lambda, J taken anew at every iteration
-// Eq. 22, 23:  0 <= lambda  perp  C0/h + J dv >= 0
-// F(x0, v0) = f_el(x0) - D v0 + M g,  dF/dv = -D,  dF/dx = -K(x0) warped,  D = alpha M + beta K(x0)
+// Eq. 19       A v* = b,   A = M - h dF/dv - h^2 dF/dx,   b = (M - h dF/dv) v0 + h F
+// Eq. 20, 21   v = v* + A^-1 J^T lambda        with the TOTAL lambda, J taken anew at every iteration
+// Eq. 22, 23   0 <= lambda  perp  C0/h + J dv >= 0
+//
+// F(x0, v0) = f_el(x0) - D v0 + M g,   dF/dv = -D,   dF/dx = -K(x0) warped,   D = alpha M + beta K(x0)
 #pragma once
 
 #include "core/step/step.h"

@@ -1,8 +1,14 @@
 // Kinetic energy split by what it does to a body's shape: move it, squash it, or run through it as waves.
 //
-// v = v_rigid + v_affine + v_waves:  t + w x r,  then the rest of t + L r (L: any 3 x 3),  then what remains; each is
-// the least squares fit in the inner product <a, b> = sum_i m_i a_i . b_i of the lumped node masses, so that the three
-// are orthogonal in it and  1/2 <v, v> = 1/2 <v_rigid, v_rigid> + 1/2 <v_affine, v_affine> + 1/2 <v_waves, v_waves>.
+//   v           = v_rigid + v_affine + v_waves
+//   1/2 <v, v>  = 1/2 <v_rigid, v_rigid> + 1/2 <v_affine, v_affine> + 1/2 <v_waves, v_waves>
+//
+//   v_rigid:  t + w x r
+//   v_affine: t + L r (L: any 3 x 3) for what is left of v
+//   v_waves:  what remains then
+// Each is the least squares fit in the inner product of the lumped node masses m_i [kg]
+//   <a, b> = sum_i m_i a_i . b_i
+// so that the three are orthogonal in it.  v_i: node velocities [m/s];  r: place about the centre of mass [m]
 #pragma once
 
 #include "core/model/model.h"

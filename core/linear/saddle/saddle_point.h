@@ -3,8 +3,9 @@
 //
 //   [ A    G ] [x]   [b]
 //   [ G^T -I ] [y] = [c]
-// Conjugate residuals, preconditioned by its multigrid (core/linear/saddle/saddle_point_multigrid.h): generalised, as
-// the cycle is no symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). Where a residual's direction leads
+//
+// with conjugate residuals, preconditioned by its multigrid (core/linear/saddle/saddle_point_multigrid.h): generalised,
+// as the cycle is no symmetric matrix, and truncated (Eisenstat, Elman, Schultz 1983). Where a residual's direction leads
 // nowhere, the next one is that of the last image, as in Arnoldi's method. The count of iterations depends little on
 // how stiff the terms G are, and on the number of hexes.
 #pragma once
