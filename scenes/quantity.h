@@ -1,4 +1,5 @@
-// Quantities with units: "500 kPa", "12 cm", "20 %", "500 kg/m^3" to SI numbers, with a check of the dimension.
+// Numbers with units in scene files, such as "500 kPa", "12 cm", "20 %" or "500 kg/m^3": read into SI units, with a
+// check of the dimension.
 #pragma once
 
 #include <optional>

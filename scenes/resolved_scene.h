@@ -1,4 +1,4 @@
-// A scene as resolved: every key written out, so that a run can be repeated.
+// Writes a scene as it was resolved, with every key and default spelled out, so that a run can be repeated.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// What no single key can tell: whether a scene's things fit together.
+// Checks of a whole scene that no single key can make: whether its things fit together.
 #pragma once
 
 #include "scenes/scene_document.h"

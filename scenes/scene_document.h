@@ -1,4 +1,4 @@
-// A scene file sorted into the table of keys, before its values are read: what stands where, with overrides applied.
+// A scene file between its text and its values: every entry sorted under its key, with overrides applied.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// The table of scene keys as people read it.
+// The table of all scene keys as text, for help and documentation.
 #pragma once
 
 #include <string>

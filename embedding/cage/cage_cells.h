@@ -1,4 +1,4 @@
-// The cells of a grid that a cage needs: those that the surface passes through and those inside it.
+// Which cells of a grid make the cage of a surface: those that it passes through and those inside it.
 #pragma once
 
 #include <array>

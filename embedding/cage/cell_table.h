@@ -1,4 +1,4 @@
-// From grid coordinates to the hex of a regular lattice, and from a point to the hexes that hold it.
+// Look-up in a regular lattice: from grid coordinates to the hex there, and from a point to the hexes that hold it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which hex of an irregular lattice holds a point, and where in it.
+// Look-up in an irregular lattice: which hex holds a point, and where in it.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where and how large a mesh stands in the scene.
+// How a mesh is put into the scene: unit, upward axis, scale, rotation and position.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// Simple closed surfaces, fine enough to bend with their cage.
+// The built-in shapes, boxes, spheres and cylinders, as closed surfaces fine enough to bend with their cage.
 #pragma once
 
 #include "core/base/triangle_mesh.h"

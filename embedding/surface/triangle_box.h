@@ -1,4 +1,5 @@
-// Does a triangle meet an axis-aligned box? Separating axes: 3 of the box, 1 of the triangle, 9 of pairs of edges.
+// Whether a triangle meets an axis-aligned box, by separating axes: 3 of the box, 1 of the triangle, 9 of pairs of
+// edges.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The decoders behind image_io, one per format. `name` is what error messages call the file.
+// The decoders behind image_io.h, one per file format. `name` is what error messages call the file.
 #pragma once
 
 #include <string>

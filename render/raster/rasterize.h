@@ -28,7 +28,8 @@ class Rasterizer {
   Rasterizer(Rasterizer&&) noexcept;
   Rasterizer& operator=(Rasterizer&&) noexcept;
 
-  /// Scene-linear RGB; the same bits for every number of threads. The legend is drawn by present() (render/annotation/annotate.h).
+  /// Scene-linear RGB; the same bits for every number of threads. The legend is drawn by present()
+  /// (render/annotation/annotate.h).
   Image draw(const RenderScene& scene, const RasterizeOptions& options);
 
  private:

@@ -1,4 +1,4 @@
-// A ray and what it meets.
+// Rays, and where a ray first meets the scene.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
-// The arithmetic of render/trace/bsdf.h on plain numbers without branches: one source for one direction at a time and for
-// loops over many, which compilers turn into vector code. Same operations, so the same bits either way.
+// The arithmetic of render/trace/bsdf.h on plain numbers without branches: one source for one direction at a time and
+// for loops over many, which compilers turn into vector code. Same operations, so the same bits either way.
 #pragma once
 
 #include <cmath>

@@ -1,12 +1,13 @@
 // What heat maps show: a number of each hex, and the bar of colours that it is read from.
 //
-// energy      U/U_max [-] of the hex's limit that is nearest to being reached, 0 without limit; the bar ends at the
-//             limit.
+// energy       U/U_max [-] of the hex's limit that is nearest to being reached, 0 without limit; the bar ends at the
+//              limit
+// multiplier   lambda/U_max [-], 0 without limit. The limit's force is -(lambda/U_max) dU/dx: it makes the hex so many
+//              times stiffer. Of several limits the one that does so most; of a peak, the sum of its 8 points
+// stretch      sqrt(2 U / (Y V)) [%] of the true energy U: the uniaxial stretch that costs as much, limit or not
 //
-// multiplier  lambda/U_max [-], 0 without limit. The limit's force is -(lambda/U_max) dU/dx: it makes the hex so many
-//             times stiffer. Of several limits the one that does so most; of a peak, the sum of its 8 points.
-//
-// stretch     sqrt(2 U/(Y V)) [%] of the true energy U: the uniaxial stretch that costs as much, limit or not.
+// U: elastic energy [J];  U_max: its limit [J];  lambda: the limit's multiplier [J]
+// Y: Young's modulus [Pa];  V: volume [m^3]
 #pragma once
 
 #include <limits>
