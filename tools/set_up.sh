@@ -5,26 +5,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build/release
 
-say() { printf '== %s\n' "$*"; }
-die() { printf '%s: error: %s\n' "$(basename "$0")" "$1" >&2; exit "$2"; }
-
-install_packages() {
-  local package missing=()
-  for package in $(cd "$root/tools" && sed -e 's/#.*//' packages ${more_packages:-}); do
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
-  done
-  [ ${#missing[@]} -gt 0 ] || return 0
-
-  command -v apt-get >/dev/null || die "apt-get is not here; install by other means: ${missing[*]}" 69
-  local as_root=()
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || die "not root and no sudo; ask an administrator for: apt-get install ${missing[*]}" 69
-    as_root=(sudo)
-  fi
-  say "installing ${#missing[@]} packages: ${missing[*]}"
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" </dev/null >/dev/null
-}
+. "$root/tools/install.sh"
 
 # as many compilers as there are cores, but no more than one for every 1.5 GiB of memory
 count_jobs() {
@@ -46,6 +27,6 @@ build_release() {
 }
 
 mkdir -p "$root/build"
-install_packages
+install_packages packages ${more_packages:-}
 jobs=$(count_jobs)
 build_release
