@@ -30,7 +30,7 @@ SceneValue::Table take_words(const std::string& name, const SceneValue& table, P
     if (key == "description" || key == "source")
       (key == "source" ? preset.source : preset.description) = TextKind().read(value);
     else
-      keys.emplace_back(key, value);
+      keys.push_back({key, value});
   return keys;
 }
 

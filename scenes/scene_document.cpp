@@ -1,6 +1,7 @@
 #include "scenes/scene_document.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/nearest_word.h"
 #include "scenes/toml_text.h"
@@ -49,8 +50,8 @@ Error unknown_key_error(const SceneValue& value, const SceneSection& section, co
   const SceneValue* innermost = &value;
   while (const auto* table = innermost->as<SceneValue::Table>()) {
     if (table->empty()) break;
-    name += "." + table->front().first;
-    innermost = &table->front().second;
+    name += "." + table->front().name;
+    innermost = &table->front().value;
   }
   return unknown_key_error(innermost->place, section, thing, name);
 }

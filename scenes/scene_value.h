@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,8 +21,9 @@ struct SourcePlace {
 
 struct SceneValue {
   using Array = std::vector<SceneValue>;
-  using Table = std::vector<std::pair<std::string, SceneValue>>;  // in the file's order
-  struct Date {};                                                 // TOML has them, no key takes one
+  struct Entry;                      // (a pair would need the whole SceneValue before it is complete)
+  using Table = std::vector<Entry>;  // in the file's order
+  struct Date {};                    // TOML has them, no key takes one
 
   std::variant<Date, bool, std::int64_t, double, std::string, Array, Table> data;
   SourcePlace place;
@@ -34,6 +34,11 @@ struct SceneValue {
   const T* as() const {
     return std::get_if<T>(&data);
   }
+};
+
+struct SceneValue::Entry {
+  std::string name;
+  SceneValue value;
 };
 
 /// The value as TOML on one line, shortened when it is long.

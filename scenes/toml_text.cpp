@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace umax {
 namespace {
@@ -14,10 +15,10 @@ SceneValue convert(const toml::node& node, const SourcePlace& place) {
   value.place.line = int(node.source().begin.line);
   if (const toml::table* table = node.as_table()) {
     SceneValue::Table entries;
-    for (const auto& [key, element] : *table) entries.emplace_back(std::string(key.str()), convert(element, place));
+    for (const auto& [key, element] : *table) entries.push_back({std::string(key.str()), convert(element, place)});
     // toml++ sorts keys by name: messages and results follow the file's order instead
     std::stable_sort(entries.begin(), entries.end(),
-                     [](const auto& a, const auto& b) { return a.second.place.line < b.second.place.line; });
+                     [](const auto& a, const auto& b) { return a.value.place.line < b.value.place.line; });
     value.data = std::move(entries);
   } else if (const toml::array* array = node.as_array()) {
     SceneValue::Array elements;
