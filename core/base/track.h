@@ -17,8 +17,8 @@ struct Track {
   Interpolation interpolation = Interpolation::linear;
 
   Track() = default;
-  Track(const T& constant)
-      : times{0.0}, values{constant} {}  // NOLINT(google-explicit-constructor): a constant is a track
+  // NOLINTNEXTLINE(google-explicit-constructor): a constant is a track
+  Track(const T& constant) : times{0.0}, values{constant} {}
 
   bool is_constant() const { return values.size() == 1; }
 

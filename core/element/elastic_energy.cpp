@@ -37,7 +37,7 @@ constexpr double smallest_trusted_D = 1e-2;
 
 // D^-1 for D = tr(S) I - S. Below the trusted size d an eigenvalue e counts as e / d^2 in place of 1 / e: continuous,
 // and zero where an inverted or flat element leaves the rotation undetermined.
-Matrix3d inverse_of_D(const Matrix3d& S) {
+Matrix3d regularised_inverse(const Matrix3d& S) {
   const Matrix3d D = S.trace() * Matrix3d::Identity() - S;
   const double trace = D.trace();
   const double determinant = D.determinant();
@@ -110,7 +110,7 @@ EnergyWithGradient energy_with_gradient(const Matrix24d& K, double young, const 
   Vector24d g = multiply<1>(K, hex.displacement);
   const double energy = 0.5 * young * hex.displacement.dot(g);
   const Matrix3d moments = hex.local_nodes.transpose().lazyProduct(Nodes(g.data()));
-  const Vector3d p = inverse_of_D(hex.stretch) * axial(moments);
+  const Vector3d p = regularised_inverse(hex.stretch) * axial(moments);
   for (int j = 0; j < 8; ++j) g.segment<3>(3 * j) -= p.cross(Vector3d(h.row(j)));
   return {energy, rotate_nodes(young * hex.rotation, g)};
 }
@@ -135,7 +135,7 @@ Matrix24d exact_hessian(const Matrix24d& K, double young, const Matrix8x3d& h, c
   const Nodes g(product.col(3).data());
 
   // torque, p and the 3 x 3 middle matrix
-  const Matrix3d Dinv = inverse_of_D(hex.stretch);
+  const Matrix3d Dinv = regularised_inverse(hex.stretch);
   const Matrix3d moments = hex.local_nodes.transpose().lazyProduct(g);
   const Vector3d p = Dinv * axial(moments);
   Matrix3d C = Y.transpose().lazyProduct(KY);
