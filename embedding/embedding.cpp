@@ -1,8 +1,6 @@
 #include "embedding/embedding.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "embedding/cage/cell_table.h"
 #include "embedding/cage/hex_search.h"
 #include "embedding/surface/hex_faces.h"
@@ -22,19 +21,13 @@ namespace {
 
 constexpr Eigen::Index block_size = 4096;
 
-template <class Body>
-void parallel_blocks(Eigen::Index size, Body body) {
-  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, size, block_size),
-                    [&](const tbb::blocked_range<Eigen::Index>& range) { body(range.begin(), range.end()); });
-}
-
 // hex of every point, and its coordinates there; hex -1: outside
 void locate(const Points& points, const Lattice& lattice, VectorXi& hex, Points& local) {
   hex.resize(points.rows());
   local.resize(points.rows(), 3);
   if (!lattice.is_regular()) {
     const HexSearch search(lattice);
-    parallel_blocks(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    parallel_blocks(points.rows(), block_size, [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index p = first; p < last; ++p) {
         Vector3d s(0, 0, 0);
         hex[p] = search.find(points.row(p), s);
@@ -44,7 +37,7 @@ void locate(const Points& points, const Lattice& lattice, VectorXi& hex, Points&
     return;
   }
   const CellTable table(lattice.cells);
-  parallel_blocks(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+  parallel_blocks(points.rows(), block_size, [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index p = first; p < last; ++p) {
       const Vector3d s = (points.row(p).transpose() - lattice.origin).cwiseQuotient(lattice.cell_size);
       hex[p] = table.find(s);
@@ -103,7 +96,7 @@ EmbeddedPoints weighted(const VectorXi& hex, const Points& local) {
   EmbeddedPoints points;
   points.hex = hex;
   points.weights.resize(hex.size(), 8);
-  parallel_blocks(hex.size(), [&](Eigen::Index first, Eigen::Index last) {
+  parallel_blocks(hex.size(), block_size, [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index p = first; p < last; ++p) trilinear_weights(local.data() + 3 * p, points.weights.data() + 8 * p);
   });
   return points;
@@ -187,14 +180,14 @@ void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes,
   if (out.normals.rows() != num_vertices) out.normals.resize(num_vertices, 3);
 
   std::vector<Polynomial> polynomials(embedding.used_hexes.size());
-  parallel_blocks(Eigen::Index(polynomials.size()), [&](Eigen::Index first, Eigen::Index last) {
+  parallel_blocks(Eigen::Index(polynomials.size()), block_size, [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i)
       polynomials[i] = trilinear_polynomial(hexes, embedding.used_hexes[i], nodes);
   });
-  parallel_blocks(num_vertices, [&](Eigen::Index first, Eigen::Index last) {
+  parallel_blocks(num_vertices, block_size, [&](Eigen::Index first, Eigen::Index last) {
     deform_positions(embedding, polynomials, first, last, out.positions.data());
   });
-  parallel_blocks(num_vertices, [&](Eigen::Index first, Eigen::Index last) {
+  parallel_blocks(num_vertices, block_size, [&](Eigen::Index first, Eigen::Index last) {
     compute_normals(embedding.fans, out.positions, first, last, out.normals);
   });
 }

@@ -152,13 +152,7 @@ std::optional<UnitProduct> parse_unit(std::string_view text, std::string& proble
   }
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::string_view(" \t\r\n").find(text.front()) != std::string_view::npos)
-    text.remove_prefix(1);
-  while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != std::string_view::npos)
-    text.remove_suffix(1);
-  return text;
-}
+constexpr std::string_view blanks = " \t\r\n";
 
 template <class T>
 std::string shortest(T value) {
@@ -174,7 +168,7 @@ std::string shortest(T value) {
 }  // namespace
 
 std::optional<ParsedQuantity> parse_quantity(std::string_view text, const Unit& wanted, std::string& problem) {
-  text = trimmed(text);
+  text = trimmed(text, blanks);
   if (starts_with(text, "+")) text.remove_prefix(1);
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -186,7 +180,7 @@ std::optional<ParsedQuantity> parse_quantity(std::string_view text, const Unit& 
     problem = "is not a finite number";
     return std::nullopt;
   }
-  text = trimmed(text.substr(std::size_t(end - text.data())));
+  text = trimmed(text.substr(std::size_t(end - text.data())), blanks);
   if (text.empty()) return ParsedQuantity{number + 0.0, false};
   const auto unit = parse_unit(text, problem);
   if (!unit) return std::nullopt;
@@ -203,7 +197,7 @@ std::optional<ParsedQuantity> parse_quantity(std::string_view text, const Unit& 
 }
 
 std::optional<double> parse_length_unit(std::string_view text) {
-  const NamedUnit* unit = find_unit(trimmed(text));
+  const NamedUnit* unit = find_unit(trimmed(text, blanks));
   if (!unit || unit->dimension != units::length.dimension) return std::nullopt;
   return unit->numerator / unit->denominator;
 }

@@ -1,6 +1,7 @@
 #include "scenes/scene_file.h"
 
 #include "core/base/nearest_word.h"
+#include "core/base/trimmed.h"
 #include "core/files/read_file.h"
 #include "scenes/builtin_scenes.h"
 #include "scenes/presets.h"
@@ -59,17 +60,12 @@ std::string read_scene_text(const fs::path& path) {
 
 Override parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
-  const auto trimmed = [](std::string part) {
-    part.erase(0, part.find_first_not_of(" \t"));
-    part.erase(part.find_last_not_of(" \t") + 1);
-    return part;
-  };
   if (equals == std::string::npos || trimmed(text.substr(0, equals)).empty())
     throw Error(ExitCode::usage, {.where = "--set",
                                   .what = "needs key=value",
                                   .value = text,
                                   .remedy = "write for example --set clip.frames=60"});
-  return {trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1))};
+  return {std::string(trimmed(text.substr(0, equals))), std::string(trimmed(text.substr(equals + 1)))};
 }
 
 Scene parse_scene(const SceneText& source, const std::vector<Override>& overrides) {

@@ -2,15 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "core/base/overloaded.h"
 #include "scenes/quantity.h"
 
 namespace umax {
 namespace {
-
-template <class... Functions>
-struct Overloaded : Functions... {
-  using Functions::operator()...;
-};
 
 std::string full_text(const SceneValue& value) {
   const auto array_text = [](const SceneValue::Array& array) {

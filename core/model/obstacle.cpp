@@ -4,17 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/overloaded.h"
 #include "core/element/rotation.h"
 
 namespace umax {
 namespace {
-
-template <class... Cases>
-struct Overload : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overload(Cases...) -> Overload<Cases...>;
 
 DistanceSample distance_to_ball(const Ball& ball, const Vector3d& p) {
   const double length = p.norm();
@@ -73,12 +67,12 @@ DistanceSample signed_distance(const SampledDistance& grid, const Vector3d& poin
 }
 
 DistanceSample signed_distance(const ObstacleShape& shape, const Vector3d& p) {
-  return std::visit(Overload{[&](const HalfSpace&) {
-                               return DistanceSample{p.y(), Vector3d::UnitY()};
-                             },
-                             [&](const Ball& ball) { return distance_to_ball(ball, p); },
-                             [&](const Block& block) { return distance_to_block(block, p); },
-                             [&](const MeshShape& mesh) { return signed_distance(*mesh.distance, p); }},
+  return std::visit(Overloaded{[&](const HalfSpace&) {
+                                 return DistanceSample{p.y(), Vector3d::UnitY()};
+                               },
+                               [&](const Ball& ball) { return distance_to_ball(ball, p); },
+                               [&](const Block& block) { return distance_to_block(block, p); },
+                               [&](const MeshShape& mesh) { return signed_distance(*mesh.distance, p); }},
                     shape);
 }
 

@@ -16,14 +16,11 @@
 #include "render/image/image_io.h"
 #include "render/trace/path_trace.h"
 #include "tools/benchmarks/bench.h"
+#include "tools/system/seconds_since.h"
 #include "tools/system/subprocess.h"
 
 namespace umax {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/base/trimmed.h"
 
 namespace umax {
 namespace {
@@ -14,13 +15,6 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 [[noreturn]] void fail(const std::string& where, const std::string& what, const std::string& value,
                        const std::string& remedy) {
   throw Error(ExitCode::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
-}
-
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t";
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(blanks) + 1 - first));
 }
 
 /// Takes rows off the front of a text.
@@ -64,7 +58,7 @@ class CsvReader {
     while (!at_end() && (text_[place_] == ' ' || text_[place_] == '\t')) ++place_;
     if (!at_end() && text_[place_] == '"') return take_quoted();
     const std::size_t end = std::min(text_.find_first_of(",\r\n", place_), text_.size());
-    const std::string field = trimmed(text_.substr(place_, end - place_));
+    const std::string field(trimmed(text_.substr(place_, end - place_)));
     place_ = end;
     return field;
   }
@@ -77,7 +71,7 @@ class CsvReader {
         if (text_.substr(place_, 2) != "\"\"") {
           ++place_;
           while (!at_end() && (text_[place_] == ' ' || text_[place_] == '\t')) ++place_;
-          return trimmed(field);
+          return std::string(trimmed(field));
         }
         ++place_;
       }

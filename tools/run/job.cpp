@@ -19,16 +19,13 @@
 #include "tools/run/step_plots.h"
 #include "tools/setup/limit_report.h"
 #include "tools/system/machine_memory.h"
+#include "tools/system/seconds_since.h"
 #include "tools/system/signals.h"
 #include "tools/system/threads.h"
 #include "tools/system/version.h"
 
 namespace umax {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// run.json while the job runs: written at the start, after every stage and at the end.
 class RecordKeeper {

@@ -7,12 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/system/seconds_since.h"
+
 namespace umax {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 int terminal_width(std::FILE* stream) {
   winsize size{};

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/trimmed.h"
 #include "scenes/scene_file.h"
 
 namespace umax {
@@ -18,12 +19,6 @@ namespace {
 }
 
 constexpr const char* example = "write for example --vary body.figure.limit.stretch=5%,10%,20%";
-
-std::string trimmed(std::string text) {
-  text.erase(0, text.find_first_not_of(" \t"));
-  text.erase(text.find_last_not_of(" \t") + 1);
-  return text;
-}
 
 /// Parts of a list between commas that stand in no bracket and no quote.
 std::vector<std::string> split_list(const std::string& list, const std::string& where) {
@@ -43,7 +38,7 @@ std::vector<std::string> split_list(const std::string& list, const std::string& 
       parts.back() += c;
   }
   if (!open.empty()) refuse(where, fmt::format("a {} is missing", open.back()), list, example);
-  for (std::string& part : parts) part = trimmed(part);
+  for (std::string& part : parts) part = std::string(trimmed(part));
   return parts;
 }
 
@@ -101,7 +96,8 @@ Variation parse_variation(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || trimmed(text.substr(0, equals)).empty())
     refuse("--vary", "needs KEY=A,B,C", text, example);
-  Variation variation{.keys = {trimmed(text.substr(0, equals))}, .values = split_list(text.substr(equals + 1), where)};
+  Variation variation{.keys = {std::string(trimmed(text.substr(0, equals)))},
+                      .values = split_list(text.substr(equals + 1), where)};
   for (auto value = variation.values.begin(); value != variation.values.end(); ++value) {
     if (value->empty()) refuse(where, "has an empty value", "", example);
     if (std::find(variation.values.begin(), value, *value) != value)
