@@ -16,7 +16,7 @@ constexpr Range positive_length{.low = 0, .high = absurd_length, .low_open = tru
 
 // Part of the body's shape if it has that shape, else null.
 template <class Shape, class T>
-auto shape_part(T Shape::*member) {
+auto shape_part(T Shape::* member) {
   return [member](auto& body) {
     auto* shape = std::get_if<Shape>(&body.source);
     return shape ? &(shape->*member) : nullptr;

@@ -31,7 +31,7 @@ struct DirectionKind {
 
 // Part of the sky if it is of that kind, else null.
 template <class Kind, class T>
-auto sky_part(T Kind::*member) {
+auto sky_part(T Kind::* member) {
   return [member](auto& render) {
     auto* sky = std::get_if<Kind>(&render.sky);
     return sky ? &(sky->*member) : nullptr;
@@ -144,9 +144,7 @@ SceneSection render_section() {
       [size](const SceneValue& value, RenderDescription& render) {
         std::tie(render.width, render.height) = size.read(value);
       },
-      [size](const RenderDescription& render) {
-        return std::optional(size.write({render.width, render.height}));
-      });
+      [size](const RenderDescription& render) { return std::optional(size.write({render.width, render.height})); });
   keys.add("samples", IntegerKind{.low = 1, .high = 1 << 20}, UMAX_FIELD(samples),
            "paths a pixel (embree): more is less noise; below 16, osmesa draws fewer shadow maps");
   keys.add("bounces", IntegerKind{.low = 0, .high = 1000}, UMAX_FIELD(bounces),

@@ -5,9 +5,7 @@ namespace umax {
 
 SceneSection top_section() {
   SceneSection section{.name = "", .meaning = "above the first table"};
-  const auto at = [](auto& scene, std::size_t) -> auto& {
-    return scene;
-  };
+  const auto at = [](auto& scene, std::size_t) -> auto& { return scene; };
   SectionBuilder<Scene, decltype(at)> keys(section, at);
   keys.add("name", TextKind(), UMAX_FIELD(name), "what the scene is called", {.unset = "the file's stem"});
   keys.add("description", TextKind(), UMAX_FIELD(description), "one line about it");

@@ -30,14 +30,14 @@ struct MeshSource {
   std::string from;               // where the file is had, for the message when it is missing
 };
 struct BoxShape {
-  Vector3d size{1, 1, 1};
-};  // [m]
+  Vector3d size{1, 1, 1};  // [m]
+};
 struct SphereShape {
-  double radius = 1;
-};  // [m]
+  double radius = 1;  // [m]
+};
 struct CylinderShape {
-  double radius = 0.06, length = 1;
-};                      // [m] axis along x
+  double radius = 0.06, length = 1;  // [m] axis along x
+};
 struct FigureShape {};  // the built-in character, 2 m tall unless height is given
 using BodySource = std::variant<MeshSource, BoxShape, SphereShape, CylinderShape, FigureShape>;
 

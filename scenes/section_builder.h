@@ -8,10 +8,7 @@
 #include "scenes/value_kinds.h"
 
 // The field of a section's struct that a key stands for, in const and non-const access.
-#define UMAX_FIELD(path)     \
-  [](auto& thing) -> auto& { \
-    return thing.path;       \
-  }
+#define UMAX_FIELD(path) [](auto& thing) -> auto& { return thing.path; }
 
 namespace umax {
 
@@ -111,16 +108,14 @@ class SectionBuilder {
 
 /// Builder of a section that there is once; member: the Scene's field.
 template <class Thing>
-auto plain_section(SceneSection& section, Thing Scene::*member) {
-  const auto at = [member](auto& scene, std::size_t) -> auto& {
-    return scene.*member;
-  };
+auto plain_section(SceneSection& section, Thing Scene::* member) {
+  const auto at = [member](auto& scene, std::size_t) -> auto& { return scene.*member; };
   return SectionBuilder<Thing, decltype(at)>(section, at);
 }
 
 /// Builder of a section of named things; member: the Scene's vector of them.
 template <class Thing>
-auto named_section(SceneSection& section, std::vector<Thing> Scene::*member) {
+auto named_section(SceneSection& section, std::vector<Thing> Scene::* member) {
   section.named = true;
   section.add = [member](Scene& scene, const std::string& name) {
     (scene.*member).emplace_back().name = name;
@@ -131,9 +126,7 @@ auto named_section(SceneSection& section, std::vector<Thing> Scene::*member) {
     for (const Thing& thing : scene.*member) names.push_back(thing.name);
     return names;
   };
-  const auto at = [member](auto& scene, std::size_t i) -> auto& {
-    return (scene.*member)[i];
-  };
+  const auto at = [member](auto& scene, std::size_t i) -> auto& { return (scene.*member)[i]; };
   return SectionBuilder<Thing, decltype(at)>(section, at);
 }
 

@@ -60,7 +60,7 @@ bool is_readable(const std::filesystem::path& path) {
 std::string read_file(const std::filesystem::path& path) {
   const FileDescriptor file(path);
   if (file.number() < 0) fail(path, "opened", errno);
-  struct stat status {};
+  struct stat status{};
   std::string bytes;
   if (::fstat(file.number(), &status) == 0 && status.st_size > 0) bytes.reserve(std::size_t(status.st_size));
   read_all(file.number(), path, [&](std::string_view piece) { bytes.append(piece); });

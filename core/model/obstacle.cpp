@@ -67,9 +67,7 @@ DistanceSample signed_distance(const SampledDistance& grid, const Vector3d& poin
 }
 
 DistanceSample signed_distance(const ObstacleShape& shape, const Vector3d& p) {
-  return std::visit(Overloaded{[&](const HalfSpace&) {
-                                 return DistanceSample{p.y(), Vector3d::UnitY()};
-                               },
+  return std::visit(Overloaded{[&](const HalfSpace&) { return DistanceSample{p.y(), Vector3d::UnitY()}; },
                                [&](const Ball& ball) { return distance_to_ball(ball, p); },
                                [&](const Block& block) { return distance_to_block(block, p); },
                                [&](const MeshShape& mesh) { return signed_distance(*mesh.distance, p); }},

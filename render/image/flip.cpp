@@ -220,10 +220,9 @@ Features find_features(const Plane& lightness, Size size, double pixels_per_degr
   const double sigma = 0.5 * detector_width * pixels_per_degree;
   const int radius = int(std::ceil(3 * sigma));
   const Kernel smooth = normalised(make_kernel(radius, gaussian, sigma));
-  const Kernel edge = normalised(make_kernel(
-      radius, [](double x, double s) { return -x * gaussian(x, s); }, sigma));
-  const Kernel point = normalised(make_kernel(
-      radius, [](double x, double s) { return (x * x / (s * s) - 1) * gaussian(x, s); }, sigma));
+  const Kernel edge = normalised(make_kernel(radius, [](double x, double s) { return -x * gaussian(x, s); }, sigma));
+  const Kernel point =
+      normalised(make_kernel(radius, [](double x, double s) { return (x * x / (s * s) - 1) * gaussian(x, s); }, sigma));
   const Plane along_x = convolve_rows(lightness, size, smooth), along_y = convolve_columns(lightness, size, smooth);
   return {magnitude(convolve_rows(along_y, size, edge), convolve_columns(along_x, size, edge)),
           magnitude(convolve_rows(along_y, size, point), convolve_columns(along_x, size, point))};

@@ -24,12 +24,8 @@ constexpr int tile_size = 16;  // [px]
 class FlushDenormals {
  public:
 #if defined(__SSE2__)
-  FlushDenormals() : saved_(_mm_getcsr()) {
-    _mm_setcsr(saved_ | 0x8040u);
-  }
-  ~FlushDenormals() {
-    _mm_setcsr(saved_);
-  }
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
 
  private:
   unsigned saved_;

@@ -25,7 +25,7 @@ Failure refusal_of_grid(const std::filesystem::path& path, const std::string& na
 TEST_CASE("a grid that cannot be meant is refused with what there is") {
   const auto one = [](const Vector3d&) { return 1.0; };
   const VdbContent soft{.name = "soft", .number = one}, hard{.name = "hard", .number = one},
-      flow{.name = "flow", .direction = [](const Vector3d&p) { return p; }}, ids{.name = "ids", .is_integer = true};
+      flow{.name = "flow", .direction = [](const Vector3d& p) { return p; }}, ids{.name = "ids", .is_integer = true};
   const auto two = vdb_file("two.vdb", {soft, hard, flow, ids});
   CHECK(VdbGrid(two, "hard", VdbGrid::Kind::number).name() == "hard");
   CHECK(VdbGrid(two, "", VdbGrid::Kind::direction).name() == "flow");

@@ -239,9 +239,7 @@ std::vector<Benchmark> multigrid_benchmarks() {
          return rows;
        }},
       {"million", false, false,
-       [] {
-         return linear_step("1 M hexes at rest", {100, 100, 100}, 0, false, 5, 1000, 1000, "400 ms, 400 MB");
-       }},
+       [] { return linear_step("1 M hexes at rest", {100, 100, 100}, 0, false, 5, 1000, 1000, "400 ms, 400 MB"); }},
   };
 }
 

@@ -37,7 +37,7 @@ std::optional<SpecimenReading> FitModel::at(const FitMaterial& material, double 
   const auto low = simulated(material, *(above - 1), stress);
   if (!low) return std::nullopt;
   const double t = (poisson - *(above - 1)) / (*above - *(above - 1));
-  const auto between = [&](double SpecimenReading::*member) { return (1 - t) * *low.*member + t * *high.*member; };
+  const auto between = [&](double SpecimenReading::* member) { return (1 - t) * *low.*member + t * *high.*member; };
   return SpecimenReading{between(&SpecimenReading::stretch), between(&SpecimenReading::lateral_stretch),
                          between(&SpecimenReading::peak_stretch)};
 }

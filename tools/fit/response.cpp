@@ -48,7 +48,7 @@ SpecimenReading Response::unlimited(double load) const {
   const int last = int(knots_.size()) - 1;
   const int interval = std::clamp(int(load / spacing), 0, last - 1);
   const double t = load / spacing - interval;
-  const auto value = [&](double SpecimenReading::*member) {
+  const auto value = [&](double SpecimenReading::* member) {
     const auto knot = [&](int i) { return knots_[std::size_t(i)].*member; };
     // the curve goes on as a parabola at its last knot, and through the origin as an odd function (peak: likewise)
     const double before = interval > 0 ? knot(interval - 1) : -knot(1);

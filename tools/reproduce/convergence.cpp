@@ -67,7 +67,7 @@ double gain(double of_warped, double of_fixed) {
 
 /// Iterations, or milliseconds, of the three derivatives and the gain of the paper's over the warped force.
 ReportTable table_of(const Efforts& efforts, const std::string& name, const std::string& caption,
-                     const std::string& unit, double Effort::*value) {
+                     const std::string& unit, double Effort::* value) {
   ReportTable table{.name = name,
                     .caption = caption,
                     .columns = {{"paper's derivative (R fixed)", unit},

@@ -91,7 +91,9 @@ void RunFolder::remove_pictures() const {
 
 void remove_run(const fs::path& path) {
   std::error_code error;
-  { const RunFolder emptied(path, ExistingFolder::overwrite); }
+  {
+    const RunFolder emptied(path, ExistingFolder::overwrite);
+  }
   fs::remove(path / run_kind.lock_name, error);
   remove_if_empty(path);
 }

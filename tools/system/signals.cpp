@@ -21,12 +21,12 @@ void note_signal(int number) {
 
 SignalWatch::SignalWatch() {
   if (num_watches++ > 0) return;  // a job within a larger one
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = note_signal;
   action.sa_flags = int(SA_RESETHAND) | SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (const int number : watched) {
-    struct sigaction before {};
+    struct sigaction before{};
     sigaction(number, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);  // nohup stays nohup
   }
@@ -35,7 +35,7 @@ SignalWatch::SignalWatch() {
 SignalWatch::~SignalWatch() {
   if (--num_watches > 0) return;
   for (const int number : watched) {
-    struct sigaction now {};
+    struct sigaction now{};
     sigaction(number, nullptr, &now);
     if (now.sa_handler == note_signal) std::signal(number, SIG_DFL);
   }
