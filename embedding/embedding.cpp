@@ -82,9 +82,9 @@ void require_inside(const Points& points, const Lattice& lattice, const VectorXi
     if (more > 0) value += fmt::format(" (and {} more)", more);
     remedy = "give hexes that hold it";
   }
-  throw Error(ExitCode::bad_data, {fmt::format("{} {}", what, p), "lies outside the cage", value,
-                                   fmt::format("the cage spans ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}); {}", low[0],
-                                               low[1], low[2], high[0], high[1], high[2], remedy)});
+  throw Error(Fault::bad_data, {fmt::format("{} {}", what, p), "lies outside the cage", value,
+                                fmt::format("the cage spans ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}); {}", low[0],
+                                            low[1], low[2], high[0], high[1], high[2], remedy)});
 }
 
 void trilinear_weights(const double* s, double* weights) {

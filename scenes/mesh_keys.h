@@ -11,10 +11,10 @@ inline void read_mesh_path(const SceneValue& value, MeshSource& mesh) {
   mesh.path = PathKind().read(value);
   std::error_code failed;
   if (!std::filesystem::is_regular_file(mesh.path, failed)) {
-    throw Error(ExitCode::not_found, {.where = where_text(value.place, value.key),
-                                      .what = "no such file",
-                                      .value = mesh.path.string(),
-                                      .remedy = mesh.from.empty() ? "check the path" : "it is had from " + mesh.from});
+    throw Error(Fault::not_found, {.where = where_text(value.place, value.key),
+                                   .what = "no such file",
+                                   .value = mesh.path.string(),
+                                   .remedy = mesh.from.empty() ? "check the path" : "it is had from " + mesh.from});
   }
   mesh.sha256 = sha256_of_file(mesh.path);
 }

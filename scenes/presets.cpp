@@ -115,7 +115,7 @@ const Preset& find_preset(const std::vector<Preset>& presets, const std::string&
     if (preset.name == name) return preset;
     names.push_back(preset.name);
   }
-  throw Error(ExitCode::bad_data,
+  throw Error(Fault::bad_data,
               {.where = place,
                .what = "there is no such preset",
                .value = toml_string(name),

@@ -25,8 +25,8 @@ std::string where(const SceneDocument& document, const std::string& section, con
 void check_mesh(const MeshSource& mesh, const std::string& place, const std::string& key) {
   if (!mesh.path.empty()) return;
   if (mesh.from.empty())
-    throw Error(ExitCode::bad_data, {.where = place, .what = "is missing", .remedy = "give the path of a mesh file"});
-  throw Error(ExitCode::not_found,
+    throw Error(Fault::bad_data, {.where = place, .what = "is missing", .remedy = "give the path of a mesh file"});
+  throw Error(Fault::not_found,
               {.where = place,
                .what = "this scene needs a mesh that is not part of the program",
                .remedy = "it is had from " + mesh.from + "; then give its path: --set " + key + "=PATH"});
@@ -48,38 +48,38 @@ void complete_probes(Scene& scene, const SceneDocument& document) {
     if (std::find(names.begin(), names.end(), probe.body) != names.end()) continue;
     const std::string place = where(document, "probe", probe.name, "body");
     if (probe.body.empty())
-      throw Error(ExitCode::bad_data,
+      throw Error(Fault::bad_data,
                   {.where = place, .what = "is missing", .remedy = "name one of the bodies " + list_text(names)});
-    throw Error(ExitCode::bad_data, {.where = place,
-                                     .what = "there is no such body",
-                                     .value = toml_string(probe.body),
-                                     .remedy = "did you mean \"" + nearest_word(probe.body, names) + "\"?"});
+    throw Error(Fault::bad_data, {.where = place,
+                                  .what = "there is no such body",
+                                  .value = toml_string(probe.body),
+                                  .remedy = "did you mean \"" + nearest_word(probe.body, names) + "\"?"});
   }
 }
 
 void check_views(const Scene& scene, const SceneDocument& document) {
   for (const LightDescription& light : scene.lights)
     if (light.position == light.target)
-      throw Error(ExitCode::bad_data, {.where = where(document, "light", light.name, "position"),
-                                       .what = "is also the light's target",
-                                       .remedy = "move one of them"});
+      throw Error(Fault::bad_data, {.where = where(document, "light", light.name, "position"),
+                                    .what = "is also the light's target",
+                                    .remedy = "move one of them"});
   if (scene.camera.position && scene.camera.target && *scene.camera.position == *scene.camera.target)
-    throw Error(ExitCode::bad_data, {.where = where(document, "camera", "", "position"),
-                                     .what = "is also the camera's target",
-                                     .remedy = "move one of them"});
+    throw Error(Fault::bad_data, {.where = where(document, "camera", "", "position"),
+                                  .what = "is also the camera's target",
+                                  .remedy = "move one of them"});
   if (std::holds_alternative<EnvironmentMap>(scene.render.sky) && scene.render.sky_path.empty())
-    throw Error(ExitCode::bad_data, {.where = where(document, "render", "", "sky.map"),
-                                     .what = "is missing",
-                                     .remedy = "give the path of an HDR or EXR picture"});
+    throw Error(Fault::bad_data, {.where = where(document, "render", "", "sky.map"),
+                                  .what = "is missing",
+                                  .remedy = "give the path of an HDR or EXR picture"});
 }
 
 }  // namespace
 
 void complete_and_check(Scene& scene, const SceneDocument& document) {
   if (scene.bodies.empty())
-    throw Error(ExitCode::bad_data, {.where = document.at("").at("").place.file,
-                                     .what = "the scene has no body",
-                                     .remedy = "add one: [body.NAME] with mesh = \"PATH\" or shape = \"sphere\""});
+    throw Error(Fault::bad_data, {.where = document.at("").at("").place.file,
+                                  .what = "the scene has no body",
+                                  .remedy = "add one: [body.NAME] with mesh = \"PATH\" or shape = \"sphere\""});
   check_meshes(scene, document);
   complete_probes(scene, document);
   check_views(scene, document);

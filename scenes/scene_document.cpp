@@ -40,7 +40,7 @@ Error unknown_key_error(const SourcePlace& place, const SceneSection& section, c
   for (const SceneSection& other : scene_sections())
     if (distance > 2 && !section.find(name) && other.find(name)) suggestion = other.key_prefix("NAME") + name;
   return Error(
-      ExitCode::bad_data,
+      Fault::bad_data,
       {.where = where_text(place, full_name), .what = "unknown key", .remedy = "did you mean " + suggestion + "?"});
 }
 
@@ -70,7 +70,7 @@ Error unknown_section_error(const SourcePlace& place, const std::string& full_na
   for (const SceneSection& other : scene_sections())
     if (other.find(name)) suggestion = other.key_prefix("NAME") + name;
   return Error(
-      ExitCode::bad_data,
+      Fault::bad_data,
       {.where = where_text(place, full_name), .what = "unknown key", .remedy = "did you mean " + suggestion + "?"});
 }
 
@@ -79,9 +79,9 @@ Error table_key_error(const SourcePlace& place, const SceneSection& section, con
   std::vector<std::string> inside;
   for (const SceneKey& key : section.keys)
     if (key.name.compare(0, name.size() + 1, name + ".") == 0) inside.push_back(key.name.substr(name.size() + 1));
-  return Error(ExitCode::bad_data, {.where = where_text(place, full_name),
-                                    .what = "is a table of keys, not a value",
-                                    .remedy = "its keys are " + list_text(inside)});
+  return Error(Fault::bad_data, {.where = where_text(place, full_name),
+                                 .what = "is a table of keys, not a value",
+                                 .remedy = "its keys are " + list_text(inside)});
 }
 
 // Puts a table's entries where the table of keys wants them; `start` is the key so far, with its dot.
@@ -112,10 +112,10 @@ const SceneValue::Table& table_of(const SceneValue& value, const std::string& ke
 
 void check_name(const SourcePlace& place, const std::string& section, const std::string& name) {
   if (is_name(name)) return;
-  throw Error(ExitCode::bad_data, {.where = where_text(place, section),
-                                   .what = "is no name for a " + section,
-                                   .value = toml_string(name),
-                                   .remedy = "use letters, digits, - and _"});
+  throw Error(Fault::bad_data, {.where = where_text(place, section),
+                                .what = "is no name for a " + section,
+                                .value = toml_string(name),
+                                .remedy = "use letters, digits, - and _"});
 }
 
 void sort_section(const SceneSection& section, const SceneValue& value, SceneDocument& document) {
@@ -166,11 +166,11 @@ Target find_target(const Override& override, const SourcePlace& place) {
   if (!target.section || parts[0].empty()) throw unknown_section_error(place, override.key);
   const std::size_t first = target.section->name.empty() ? 0 : target.section->named ? 2 : 1;
   if (parts.size() <= first) {
-    throw Error(ExitCode::bad_data, {.where = where_text(place, override.key),
-                                     .what = "is not a key but a table of keys",
-                                     .remedy = "name a key in it, such as " +
-                                               target.section->key_prefix(parts.size() > 1 ? parts[1] : "NAME") +
-                                               target.section->keys.front().name});
+    throw Error(Fault::bad_data, {.where = where_text(place, override.key),
+                                  .what = "is not a key but a table of keys",
+                                  .remedy = "name a key in it, such as " +
+                                            target.section->key_prefix(parts.size() > 1 ? parts[1] : "NAME") +
+                                            target.section->keys.front().name});
   }
   if (target.section->named) target.thing = parts[1];
   for (std::size_t i = first; i < parts.size(); ++i) target.name += (i > first ? "." : "") + parts[i];
@@ -190,7 +190,7 @@ void find_or_add_thing(SceneDocument& document, const Target& target, const Scen
     things[target.thing].place = place;
     return;
   }
-  throw Error(ExitCode::bad_data,
+  throw Error(Fault::bad_data,
               {.where = where_text(place, target.section->key_prefix(target.thing) + target.name),
                .what = "the scene has no " + target.section->name + " of this name",
                .value = target.thing,
@@ -267,9 +267,9 @@ void check_groups(const SceneDocument& document) {
       for (const SceneKey& key : section.keys) {
         const auto value = thing.values.find(key.name);
         if (key.required && value == thing.values.end())
-          throw Error(ExitCode::bad_data, {.where = where_text(thing.place, section.key_prefix(name) + key.name),
-                                           .what = "is missing",
-                                           .remedy = "give it: " + key.meaning + ", " + key.type});
+          throw Error(Fault::bad_data, {.where = where_text(thing.place, section.key_prefix(name) + key.name),
+                                        .what = "is missing",
+                                        .remedy = "give it: " + key.meaning + ", " + key.type});
         if (key.group.empty() || value == thing.values.end()) continue;
         const auto [first, is_first] = given.try_emplace(key.group, &value->second);
         if (!is_first)

@@ -43,17 +43,17 @@ std::string read_scene_text(const fs::path& path) {
   std::error_code failed;
   if (fs::is_directory(path, failed))
     throw Error(
-        ExitCode::bad_data,
+        Fault::bad_data,
         {.where = path.string(), .what = "is a folder, not a scene file", .remedy = "give the .toml file in it"});
   if (!fs::exists(path, failed))
-    throw Error(ExitCode::not_found, {.where = path.string(),
-                                      .what = "no such scene file",
-                                      .remedy = "check the path; `umax scenes` lists the built-in scenes"});
+    throw Error(Fault::not_found, {.where = path.string(),
+                                   .what = "no such scene file",
+                                   .remedy = "check the path; `umax scenes` lists the built-in scenes"});
   if (fs::file_size(path, failed) > largest && !failed)
-    throw Error(ExitCode::bad_data,
+    throw Error(Fault::bad_data,
                 {.where = path.string(), .what = "is too large for a scene file", .remedy = "give a .toml file"});
   if (!is_readable(path))
-    throw Error(ExitCode::not_found,
+    throw Error(Fault::not_found,
                 {.where = path.string(), .what = "cannot be read", .remedy = "check its permissions"});
   return read_file(path);
 }
@@ -61,10 +61,10 @@ std::string read_scene_text(const fs::path& path) {
 Override parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || trimmed(text.substr(0, equals)).empty())
-    throw Error(ExitCode::usage, {.where = "--set",
-                                  .what = "needs key=value",
-                                  .value = text,
-                                  .remedy = "write for example --set clip.frames=60"});
+    throw Error(Fault::usage, {.where = "--set",
+                               .what = "needs key=value",
+                               .value = text,
+                               .remedy = "write for example --set clip.frames=60"});
   return {std::string(trimmed(text.substr(0, equals))), std::string(trimmed(text.substr(equals + 1)))};
 }
 
@@ -91,10 +91,10 @@ Scene load_scene(const std::string& scene, const std::vector<Override>& override
   }
   std::vector<std::string> names;
   for (const BuiltinScene& builtin : builtin_scenes()) names.push_back(builtin.name);
-  throw Error(ExitCode::not_found, {.where = scene,
-                                    .what = "there is no such built-in scene",
-                                    .remedy = "did you mean " + nearest_word(scene, names) +
-                                              "? `umax scenes` lists them; files end in .toml"});
+  throw Error(Fault::not_found, {.where = scene,
+                                 .what = "there is no such built-in scene",
+                                 .remedy = "did you mean " + nearest_word(scene, names) +
+                                           "? `umax scenes` lists them; files end in .toml"});
 }
 
 }  // namespace umax

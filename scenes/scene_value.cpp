@@ -58,7 +58,7 @@ std::string where_text(const SourcePlace& place, const std::string& key) {
 
 Error value_error(const SceneValue& value, const std::string& what, const std::string& remedy) {
   return Error(
-      ExitCode::bad_data,
+      Fault::bad_data,
       {.where = where_text(value.place, value.key), .what = what, .value = value_text(value), .remedy = remedy});
 }
 

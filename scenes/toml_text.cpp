@@ -49,9 +49,9 @@ SceneValue parse_toml(std::string_view text, const SourcePlace& place) {
   } catch (const toml::parse_error& error) {
     SourcePlace here = place;
     here.line = int(error.source().begin.line);
-    throw Error(ExitCode::bad_data, {.where = where_text(here, ""),
-                                     .what = "not valid TOML: " + first_line(error.description()),
-                                     .remedy = "strings, such as quantities with a unit, stand in quotes"});
+    throw Error(Fault::bad_data, {.where = where_text(here, ""),
+                                  .what = "not valid TOML: " + first_line(error.description()),
+                                  .remedy = "strings, such as quantities with a unit, stand in quotes"});
   }
 }
 

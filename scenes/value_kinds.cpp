@@ -166,10 +166,10 @@ std::filesystem::path ExistingFileKind::read(const SceneValue& value) const {
   const std::filesystem::path path = PathKind::read(value);
   std::error_code failed;
   if (std::filesystem::is_regular_file(path, failed)) return path;
-  throw Error(ExitCode::not_found, {.where = where_text(value.place, value.key),
-                                    .what = "no such file",
-                                    .value = path.string(),
-                                    .remedy = "check the path"});
+  throw Error(Fault::not_found, {.where = where_text(value.place, value.key),
+                                 .what = "no such file",
+                                 .value = path.string(),
+                                 .remedy = "check the path"});
 }
 
 std::string WordKind::read(const SceneValue& value) const {

@@ -7,16 +7,17 @@
 
 namespace umax {
 
-/// The program's exit codes (sysexits.h where it has one). 0 is success, 1 is `compare`: past the threshold.
-enum class ExitCode : int {
-  usage = 2,           // wrong usage of the command line
-  bad_data = 65,       // scene, mesh, state or data cannot be used
-  not_found = 66,      // an input does not exist
-  unavailable = 69,    // a helper program is missing
-  internal = 70,       // our own fault
-  cannot_create = 73,  // folder exists, read-only, disk full
-  io_error = 74,       // a read or write failed later
-  try_again = 75,      // temporary: locked, or --strict and a step did not converge
+/// What went wrong, in kinds that call for different answers. A program ends with one of its exit codes for each:
+/// tools/system/exit_code.h.
+enum class Fault {
+  usage,          // wrong usage of the command line
+  bad_data,       // scene, mesh, state or data cannot be used
+  not_found,      // an input does not exist
+  unavailable,    // a helper program is missing
+  internal,       // our own fault
+  cannot_create,  // folder exists, read-only, disk full
+  io_error,       // a read or write failed later
+  try_again,      // temporary: locked, or --strict and a step did not converge
 };
 
 /// What a message must say. Empty parts are left out: "WHERE: WHAT, got VALUE; REMEDY".
@@ -29,8 +30,8 @@ struct ErrorText {
 
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode exit_code, const ErrorText& text) : std::runtime_error(compose(text)), code_(exit_code), text_(text) {}
-  ExitCode exit_code() const { return code_; }
+  Error(Fault fault, const ErrorText& text) : std::runtime_error(compose(text)), fault_(fault), text_(text) {}
+  Fault fault() const { return fault_; }
   const ErrorText& text() const { return text_; }
 
  private:
@@ -40,7 +41,7 @@ class Error : public std::runtime_error {
     if (!text.remedy.empty()) message += "; " + text.remedy;
     return message;
   }
-  ExitCode code_;
+  Fault fault_;
   ErrorText text_;
 };
 

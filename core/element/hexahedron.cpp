@@ -26,7 +26,7 @@ Vector3d node_sign(int n) {
 [[noreturn]] void refuse(const std::string& what, double value, const std::string& remedy) {
   std::ostringstream text;
   text << value;
-  throw Error(ExitCode::bad_data, {"hex", what, text.str(), remedy});
+  throw Error(Fault::bad_data, {"hex", what, text.str(), remedy});
 }
 
 // [PPO13] F = dX/ds, column k is dX/ds_k.

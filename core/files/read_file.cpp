@@ -29,13 +29,12 @@ class FileDescriptor {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* action, int error) {
   if (error == ENOENT || error == ENOTDIR)
-    throw Error(ExitCode::not_found, {path.string(), "does not exist", "", "check the path"});
+    throw Error(Fault::not_found, {path.string(), "does not exist", "", "check the path"});
   if (error == EISDIR)
-    throw Error(ExitCode::io_error, {path.string(), "is a folder, not a file", "", "name a file in it"});
+    throw Error(Fault::io_error, {path.string(), "is a folder, not a file", "", "name a file in it"});
   const bool is_denied = error == EACCES || error == EPERM;
-  throw Error(ExitCode::io_error,
-              {path.string(), std::string("cannot be ") + action + " (" + std::strerror(error) + ")", "",
-               is_denied ? "check its permissions" : "check the file and its disk"});
+  throw Error(Fault::io_error, {path.string(), std::string("cannot be ") + action + " (" + std::strerror(error) + ")",
+                                "", is_denied ? "check its permissions" : "check the file and its disk"});
 }
 
 /// Calls take(bytes) until the file ends.

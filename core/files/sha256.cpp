@@ -31,7 +31,7 @@ class Sha256 {
 
  private:
   static void check(int result) {
-    if (result != 1) throw Error(ExitCode::internal, {.what = "SHA-256 is not available in this OpenSSL"});
+    if (result != 1) throw Error(Fault::internal, {.what = "SHA-256 is not available in this OpenSSL"});
   }
   std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
@@ -47,7 +47,7 @@ std::string sha256_hex(std::string_view bytes) {
 std::string sha256_of_file(const std::filesystem::path& path) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(path, failed))
-    throw Error(ExitCode::not_found, {.where = path.string(), .what = "no such file"});
+    throw Error(Fault::not_found, {.where = path.string(), .what = "no such file"});
   Sha256 hash;
   read_pieces(path, [&](std::string_view bytes) { hash.add(bytes); });
   return hash.hex();

@@ -18,7 +18,7 @@ bool is_full(int error) {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, int error, bool creating) {
   const char* remedy =
       is_full(error) ? "free some space or choose another disk" : "choose a folder that can be written";
-  throw Error(creating || is_full(error) ? ExitCode::cannot_create : ExitCode::io_error,
+  throw Error(creating || is_full(error) ? Fault::cannot_create : Fault::io_error,
               {path.string(), what + " (" + std::strerror(error) + ")", "", remedy});
 }
 

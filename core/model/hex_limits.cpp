@@ -121,10 +121,10 @@ void require_measurable(const Model& model, EnergyMeasure measure) {
       const EnergyLimitOptions& limit = limit_on(body.limit, body.part_limits, part);
       if (limit.kind == LimitKind::none || measures_whole_mean(part, limit.measure)) continue;
       const std::string name = "body." + body.name + "." + limit_name(part);
-      throw Error(ExitCode::bad_data, {.where = part == EnergyPart::whole ? name + ".measure" : name,
-                                       .what = "limits a part or a peak, which only the true energy has",
-                                       .value = "solver.energy = \"paper\"",
-                                       .remedy = "set solver.energy = \"true\", or leave this limit out"});
+      throw Error(Fault::bad_data, {.where = part == EnergyPart::whole ? name + ".measure" : name,
+                                    .what = "limits a part or a peak, which only the true energy has",
+                                    .value = "solver.energy = \"paper\"",
+                                    .remedy = "set solver.energy = \"true\", or leave this limit out"});
     }
 }
 

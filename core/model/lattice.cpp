@@ -77,7 +77,7 @@ Matrix8x3d rest_nodes(const Lattice& lattice, Eigen::Index hex) {
 
 void validate(const Lattice& lattice) {
   const auto fail = [](const std::string& what, const std::string& value, const std::string& remedy) {
-    throw Error(ExitCode::bad_data, {"cage", what, value, remedy});
+    throw Error(Fault::bad_data, {"cage", what, value, remedy});
   };
   if (lattice.num_hexes() == 0) fail("has no hexes", "0", "ask for at least one cell");
   if (lattice.filled_fraction.size() != lattice.num_hexes())

@@ -21,7 +21,7 @@ HexShape shape_of(const Body& body, Eigen::Index hex, const Matrix8x3d& nodes) {
   } catch (const Error& error) {
     ErrorText text = error.text();
     text.where = "body." + body.name + ".cage: hex " + std::to_string(hex);
-    throw Error(error.exit_code(), text);
+    throw Error(error.fault(), text);
   }
 }
 

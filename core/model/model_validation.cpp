@@ -9,7 +9,7 @@ namespace umax {
 namespace {
 
 [[noreturn]] void fail(const std::string& where, const std::string& what, double value, const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {where, what, std::to_string(value), remedy});
+  throw Error(Fault::bad_data, {where, what, std::to_string(value), remedy});
 }
 
 void require_positive(double value, const std::string& where, const std::string& remedy) {
@@ -84,7 +84,7 @@ void validate_cage(const Body& body, const std::string& where) {
   } catch (const Error& error) {
     ErrorText text = error.text();
     text.where = where;
-    throw Error(error.exit_code(), text);
+    throw Error(error.fault(), text);
   }
 }
 

@@ -46,7 +46,7 @@ LinearPlan plan_linear_solvers(const Model& model, const SolverOptions& solver) 
 
 void require_solvable(const LinearPlan& plan, const SolverOptions& solver) {
   if (solver.method != SolverMethod::exact || solver.linear != LinearSolver::multigrid) return;
-  if (plan.against_multigrid) throw Error(ExitCode::bad_data, *plan.against_multigrid);
+  if (plan.against_multigrid) throw Error(Fault::bad_data, *plan.against_multigrid);
 }
 
 }  // namespace umax

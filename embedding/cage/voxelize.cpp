@@ -17,7 +17,7 @@ namespace umax {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value, const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {"cage", what, value, remedy});
+  throw Error(Fault::bad_data, {"cage", what, value, remedy});
 }
 
 struct Shape {

@@ -13,12 +13,12 @@ namespace {
 
 void validate(const FigureOptions& options) {
   if (!(options.height > 0 && options.height < 1e6)) {
-    throw Error(ExitCode::bad_data, {"figure", "the height must be positive", std::to_string(options.height) + " m",
-                                     "give a height such as 2 m"});
+    throw Error(Fault::bad_data, {"figure", "the height must be positive", std::to_string(options.height) + " m",
+                                  "give a height such as 2 m"});
   }
   if (!(options.cell_size >= 4e-3 && options.cell_size <= 20e-3)) {
-    throw Error(ExitCode::bad_data, {"figure", "the cell size must be between 4 mm and 20 mm",
-                                     std::to_string(options.cell_size) + " m", "leave it at 6.5 mm"});
+    throw Error(Fault::bad_data, {"figure", "the cell size must be between 4 mm and 20 mm",
+                                  std::to_string(options.cell_size) + " m", "leave it at 6.5 mm"});
   }
 }
 

@@ -26,7 +26,7 @@ constexpr double least_surface =
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value, const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {"", what, value, remedy});
+  throw Error(Fault::bad_data, {"", what, value, remedy});
 }
 
 std::string text_of(const Eigen::AlignedBox3d& box) {

@@ -27,7 +27,7 @@ using openvdb::Vec3SGrid;
 
 [[noreturn]] void refuse(const Path& path, const std::string& what, const std::string& value,
                          const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {path.string(), what, value, remedy});
+  throw Error(Fault::bad_data, {path.string(), what, value, remedy});
 }
 
 /// Calls work; what OpenVDB throws says that the file is damaged.

@@ -17,7 +17,7 @@ constexpr double largest_coordinate = 1e9;
 
 void refuse_mesh(const std::filesystem::path& path, const std::string& what, const std::string& value,
                  const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {path.string(), what, value, remedy});
+  throw Error(Fault::bad_data, {path.string(), what, value, remedy});
 }
 
 std::string lower_ending(const std::filesystem::path& path) {
@@ -30,7 +30,7 @@ std::string lower_ending(const std::filesystem::path& path) {
 void require_readable_file(const std::filesystem::path& path, const std::string& thing) {
   std::error_code error;
   const auto refuse_input = [&](const std::string& what, const char* remedy) {
-    throw Error(ExitCode::not_found, {path.string(), what, "", remedy});
+    throw Error(Fault::not_found, {path.string(), what, "", remedy});
   };
   if (!std::filesystem::exists(path, error)) refuse_input("the " + thing + " does not exist", "check the path");
   if (std::filesystem::is_directory(path, error)) refuse_input("is a folder, not a " + thing, "name a file in it");

@@ -122,15 +122,15 @@ SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridO
   constexpr int padding = 3;
   constexpr double narrow_band = LevelSetOptions{}.band_voxels;
   if (mesh.num_triangles() == 0)
-    throw Error(ExitCode::bad_data, {"distance grid", "needs a mesh with triangles", "none", "give another mesh"});
+    throw Error(Fault::bad_data, {"distance grid", "needs a mesh with triangles", "none", "give another mesh"});
   if (options.max_samples_per_axis < 4 || options.max_samples_per_axis > 1024)
-    throw Error(ExitCode::bad_data, {"distance grid", "samples along an axis must be 4 to 1024",
-                                     std::to_string(options.max_samples_per_axis), ""});
+    throw Error(Fault::bad_data, {"distance grid", "samples along an axis must be 4 to 1024",
+                                  std::to_string(options.max_samples_per_axis), ""});
   const Vector3d low = mesh.positions.colwise().minCoeff(), high = mesh.positions.colwise().maxCoeff();
   SampledDistance grid;
   grid.spacing = (high - low).maxCoeff() / std::max(1, options.max_samples_per_axis - 1 - 2 * padding);
   if (!(grid.spacing > 0))
-    throw Error(ExitCode::bad_data, {"distance grid", "needs a mesh with an extent", "0 m", "give another mesh"});
+    throw Error(Fault::bad_data, {"distance grid", "needs a mesh with an extent", "0 m", "give another mesh"});
   for (int axis = 0; axis < 3; ++axis)
     grid.size[axis] = int(std::ceil((high - low)[axis] / grid.spacing)) + 1 + 2 * padding;
   grid.origin = low - Vector3d::Constant(padding * grid.spacing);
@@ -153,7 +153,7 @@ SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridO
 
 Points sharp_edge_points(const TriangleMesh& mesh, const SharpEdgeOptions& options) {
   if (!(options.spacing > 0))
-    throw Error(ExitCode::bad_data, {"edge points", "need a positive spacing", std::to_string(options.spacing), ""});
+    throw Error(Fault::bad_data, {"edge points", "need a positive spacing", std::to_string(options.spacing), ""});
   const std::vector<int> welded = weld(mesh.positions);
   const double min_cosine = std::cos(options.dihedral_degrees * std::numbers::pi / 180);
   std::vector<char> end_taken(welded.size(), 0);

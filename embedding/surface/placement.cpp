@@ -11,7 +11,7 @@ namespace umax {
 namespace {
 
 [[noreturn]] void refuse(const char* key, const char* what, const std::string& value, const char* remedy) {
-  throw Error(ExitCode::bad_data, {key, what, value, remedy});
+  throw Error(Fault::bad_data, {key, what, value, remedy});
 }
 
 double positive(const char* key, const char* remedy, double value) {

@@ -18,7 +18,7 @@ namespace {
 
 void require_positive(const char* key, double value) {
   if (value > 0 && std::isfinite(value)) return;
-  throw Error(ExitCode::bad_data,
+  throw Error(Fault::bad_data,
               {key, "must be a positive length", fmt::format("{:g} m", value), "give a length such as \"1 m\""});
 }
 
@@ -139,7 +139,7 @@ TriangleMesh make_box(const Vector3d& size) {
 TriangleMesh make_sphere(double radius, int subdivisions) {
   require_positive("radius", radius);
   if (subdivisions < 0 || subdivisions > 11)
-    throw Error(ExitCode::bad_data, {"sphere", "subdivisions must be 0 to 11", std::to_string(subdivisions), ""});
+    throw Error(Fault::bad_data, {"sphere", "subdivisions must be 0 to 11", std::to_string(subdivisions), ""});
 
   // the icosahedron, stood on a vertex's edge
   const double g = std::numbers::phi;

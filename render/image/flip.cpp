@@ -272,8 +272,8 @@ std::string size_text(const Image& image) {
 
 FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options) {
   if (reference.width != test.width || reference.height != test.height || reference.values.empty()) {
-    throw Error(ExitCode::bad_data, {"compare", "the pictures must have one size",
-                                     size_text(reference) + " and " + size_text(test), "render both alike"});
+    throw Error(Fault::bad_data, {"compare", "the pictures must have one size",
+                                  size_text(reference) + " and " + size_text(test), "render both alike"});
   }
   const Size size{reference.width, reference.height};
   const Planes a = opponent_planes(reference, size), b = opponent_planes(test, size);

@@ -29,7 +29,7 @@ std::string encode_exr(const std::vector<Layer>& layers, const ExrAttributes& at
 
 /// Throws Error 65 "is not a whole picture".
 [[noreturn]] inline void fail_data(const std::string& name, const std::string& what) {
-  throw Error(ExitCode::bad_data, {name, what, "", "give a whole PNG, EXR or HDR file"});
+  throw Error(Fault::bad_data, {name, what, "", "give a whole PNG, EXR or HDR file"});
 }
 
 }  // namespace umax::codec

@@ -76,8 +76,7 @@ void write_exr(const std::filesystem::path& path, const std::vector<Layer>& laye
 void write_image(const std::filesystem::path& path, const Image& linear) {
   if (path.extension() == ".exr") return write_exr(path, {{"", linear}});
   if (path.extension() == ".png") return write_png(path, linear);
-  throw Error(ExitCode::usage,
-              {path.string(), "unknown kind of picture", path.extension().string(), "use .png or .exr"});
+  throw Error(Fault::usage, {path.string(), "unknown kind of picture", path.extension().string(), "use .png or .exr"});
 }
 
 }  // namespace umax

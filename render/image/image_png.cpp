@@ -126,7 +126,7 @@ std::string encode_png(const Image8& image) {
   png_infop info = png_create_info_struct(png);
   const bool whole = run_writer(png, info, image, bytes);
   png_destroy_write_struct(&png, &info);
-  if (!whole) throw Error(ExitCode::internal, {"PNG", message, "", ""});
+  if (!whole) throw Error(Fault::internal, {"PNG", message, "", ""});
   return bytes;
 }
 

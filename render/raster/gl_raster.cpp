@@ -44,7 +44,7 @@ struct Functions {
 };
 
 [[noreturn]] void fail(const std::string& what, const std::string& value = "") {
-  throw Error(ExitCode::unavailable, {"rasteriser", what, value, "install libosmesa6, or use --engine embree"});
+  throw Error(Fault::unavailable, {"rasteriser", what, value, "install libosmesa6, or use --engine embree"});
 }
 
 /// Settings of the environment that make llvmpipe crash, or that choose the number of its threads.

@@ -280,8 +280,8 @@ void prepare_lighting(const RenderScene& scene, const Focus& focus, const Ground
   const bool has_sun = std::holds_alternative<DaylightSky>(scene.sky);
   const int num_lights = int(scene.lights.size()) + int(has_sun);
   if (num_lights > max_key_lights) {
-    throw Error(ExitCode::bad_data, {"rasteriser", "draws at most " + std::to_string(max_key_lights) + " lights",
-                                     std::to_string(num_lights), "remove some, or use --engine embree"});
+    throw Error(Fault::bad_data, {"rasteriser", "draws at most " + std::to_string(max_key_lights) + " lights",
+                                  std::to_string(num_lights), "remove some, or use --engine embree"});
   }
   const int share = std::clamp(options.light_samples, 1, max_key_samples / std::max(num_lights, 1));
   for (const AreaLight& light : scene.lights) add_area_light(light, share, focus, frame);

@@ -10,19 +10,19 @@ namespace umax {
 
 CameraView make_camera_view(const Camera& camera, int width, int height) {
   if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180)) {
-    throw Error(ExitCode::bad_data, {.where = "camera.vertical_fov_degrees",
-                                     .what = "must lie between 0 and 180 degrees",
-                                     .value = std::to_string(camera.vertical_fov_degrees),
-                                     .remedy = "35 is a usual value"});
+    throw Error(Fault::bad_data, {.where = "camera.vertical_fov_degrees",
+                                  .what = "must lie between 0 and 180 degrees",
+                                  .value = std::to_string(camera.vertical_fov_degrees),
+                                  .remedy = "35 is a usual value"});
   }
   CameraView view;
   const Vector3f line_of_sight = camera.target - camera.position;
   const Vector3f right = line_of_sight.cross(camera.up);
   if (!(right.norm() > 1e-6f * line_of_sight.norm() * camera.up.norm()) || !right.allFinite()) {
-    throw Error(ExitCode::bad_data, {.where = "camera",
-                                     .what = "looks nowhere: target at the position, or straight along up",
-                                     .value = "",
-                                     .remedy = "move camera.position or camera.target"});
+    throw Error(Fault::bad_data, {.where = "camera",
+                                  .what = "looks nowhere: target at the position, or straight along up",
+                                  .value = "",
+                                  .remedy = "move camera.position or camera.target"});
   }
   view.position = camera.position;
   view.forward = line_of_sight.normalized();

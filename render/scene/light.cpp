@@ -67,10 +67,10 @@ RectangleLights::RectangleLights(const std::vector<AreaLight>& lights) {
     r.length_v = light.edge_v.norm();
     r.area = light.edge_u.cross(light.edge_v).norm();
     if (!(r.area > 0) || !light.corner.allFinite() || !std::isfinite(r.area) || !light.radiance.allFinite()) {
-      throw Error(ExitCode::bad_data, {.where = "light",
-                                       .what = "has no area, or values that are not finite",
-                                       .value = "area " + std::to_string(r.area) + " m^2",
-                                       .remedy = "give it a size above 0"});
+      throw Error(Fault::bad_data, {.where = "light",
+                                    .what = "has no area, or values that are not finite",
+                                    .value = "area " + std::to_string(r.area) + " m^2",
+                                    .remedy = "give it a size above 0"});
     }
     r.axis_u = light.edge_u / r.length_u;
     r.axis_v = light.edge_v / r.length_v;

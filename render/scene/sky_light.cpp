@@ -54,10 +54,10 @@ struct DirectionTable {
 
 DirectionTable table_of_picture(const EnvironmentMap& map) {
   if (!map.image || map.image->width < 2 || map.image->height < 2) {
-    throw Error(ExitCode::bad_data, {.where = "sky",
-                                     .what = "environment map without a picture",
-                                     .value = "",
-                                     .remedy = "name an .hdr or .exr file"});
+    throw Error(Fault::bad_data, {.where = "sky",
+                                  .what = "environment map without a picture",
+                                  .value = "",
+                                  .remedy = "name an .hdr or .exr file"});
   }
   DirectionTable table{
       .rows = DirectionTable::Rows::polar_angle, .width = map.image->width, .height = map.image->height, .values = {}};
@@ -120,10 +120,10 @@ Vector3f rotate_about_y(const Vector3f& d, const SinCos& angle) {
 
 void check_color(const Vector3f& color, const char* key) {
   if (color.allFinite() && color.minCoeff() >= 0) return;
-  throw Error(ExitCode::bad_data, {.where = std::string("sky.") + key,
-                                   .what = "is negative or not finite",
-                                   .value = "",
-                                   .remedy = "give three numbers from 0 upwards"});
+  throw Error(Fault::bad_data, {.where = std::string("sky.") + key,
+                                .what = "is negative or not finite",
+                                .value = "",
+                                .remedy = "give three numbers from 0 upwards"});
 }
 
 }  // namespace
@@ -146,10 +146,10 @@ SkyLight::SkyLight(const Sky& sky) : data_(std::make_unique<Data>()) {
   }
   if (const auto* daylight = std::get_if<DaylightSky>(&sky)) {
     if (!daylight->sun_direction.allFinite() || !(daylight->sun_direction.norm() > 0)) {
-      throw Error(ExitCode::bad_data, {.where = "sky.sun_direction",
-                                       .what = "is no direction",
-                                       .value = "",
-                                       .remedy = "give a vector towards the sun"});
+      throw Error(Fault::bad_data, {.where = "sky.sun_direction",
+                                    .what = "is no direction",
+                                    .value = "",
+                                    .remedy = "give a vector towards the sun"});
     }
     data_->daylight.emplace(*daylight);
     data_->table = table_of_daylight(*data_->daylight);

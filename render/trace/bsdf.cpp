@@ -21,10 +21,10 @@ Vector3f vector_of(const Direction& d) {
 
 void check_unit_range(float value, const std::string& where, const char* key) {
   if (value >= 0 && value <= 1) return;
-  throw Error(ExitCode::bad_data, {.where = where + ": " + key,
-                                   .what = "must lie between 0 and 1",
-                                   .value = std::to_string(value),
-                                   .remedy = "give a value in that range"});
+  throw Error(Fault::bad_data, {.where = where + ": " + key,
+                                .what = "must lie between 0 and 1",
+                                .value = std::to_string(value),
+                                .remedy = "give a value in that range"});
 }
 
 float alpha_of(float roughness) {
@@ -70,10 +70,10 @@ BsdfLook make_bsdf_look(const Look& look, const std::string& where) {
   check_unit_range(look.clearcoat, where, "clearcoat");
   check_unit_range(look.clearcoat_roughness, where, "clearcoat_roughness");
   if (!(look.ior >= 1 && look.ior < 10)) {
-    throw Error(ExitCode::bad_data, {.where = where + ": ior",
-                                     .what = "must be at least 1",
-                                     .value = std::to_string(look.ior),
-                                     .remedy = "1.5 is glass and most plastics"});
+    throw Error(Fault::bad_data, {.where = where + ": ior",
+                                  .what = "must be at least 1",
+                                  .value = std::to_string(look.ior),
+                                  .remedy = "1.5 is glass and most plastics"});
   }
   const float f0 = reflectance_at_normal(look.ior);
   BsdfLook result{.numbers = {.alpha = alpha_of(look.roughness),

@@ -122,7 +122,7 @@ void trace_tile(const PathTracer& tracer, const Crop& crop, const TileArea& tile
 
 void check(const PathTraceOptions& options, const Crop& crop) {
   const auto fail = [](const char* where, const char* what, int value) {
-    throw Error(ExitCode::bad_data, {.where = where, .what = what, .value = std::to_string(value), .remedy = ""});
+    throw Error(Fault::bad_data, {.where = where, .what = what, .value = std::to_string(value), .remedy = ""});
   };
   if (options.width < 1 || options.width > 65536) fail("render.size", "must lie between 1 and 65536", options.width);
   if (options.height < 1 || options.height > 65536) fail("render.size", "must lie between 1 and 65536", options.height);

@@ -42,10 +42,10 @@ Vector3f load(const float* values) {
 }
 
 [[noreturn]] void throw_bad_mesh(const RenderObject& object, const std::string& what, Eigen::Index row) {
-  throw Error(ExitCode::bad_data, {.where = "object " + object.name,
-                                   .what = what,
-                                   .value = "row " + std::to_string(row),
-                                   .remedy = "repair the mesh"});
+  throw Error(Fault::bad_data, {.where = "object " + object.name,
+                                .what = what,
+                                .value = "row " + std::to_string(row),
+                                .remedy = "repair the mesh"});
 }
 
 void copy_vertices(const RenderObject& object, ObjectData& data) {
@@ -219,10 +219,10 @@ void call_occluded(RTCScene scene, RTCRay& query) {
 RTCDevice make_device() {
   RTCDevice device = rtcNewDevice("isa=avx2");
   if (!device) {
-    throw Error(ExitCode::internal, {.where = "ray tracing",
-                                     .what = "Embree cannot start",
-                                     .value = "error " + std::to_string(int(rtcGetDeviceError(nullptr))),
-                                     .remedy = "a processor with AVX2 is needed"});
+    throw Error(Fault::internal, {.where = "ray tracing",
+                                  .what = "Embree cannot start",
+                                  .value = "error " + std::to_string(int(rtcGetDeviceError(nullptr))),
+                                  .remedy = "a processor with AVX2 is needed"});
   }
   return device;
 }

@@ -138,7 +138,7 @@ TEST_CASE("an unusable hex is refused by an error that names the fault and the p
     try {
       make_hex_shape(nodes, poisson);
     } catch (const Error& error) {
-      CHECK(error.exit_code() == ExitCode::bad_data);
+      CHECK(error.fault() == Fault::bad_data);
       return error.what();
     }
     return "";

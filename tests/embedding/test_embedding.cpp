@@ -122,7 +122,7 @@ TEST_CASE("a point outside the cage is named") {
     embed_points(points, lattice, "probe");
     FAIL("must throw");
   } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
+    CHECK(error.fault() == Fault::bad_data);
     CHECK(std::string(error.what()).find("probe 1") != std::string::npos);
     CHECK(std::string(error.what()).find("2.5") != std::string::npos);
   }

@@ -117,7 +117,7 @@ TEST_CASE("a vertex outside irregular hexes is named, with its distance") {
   } catch (const Error& error) {
     const std::string text = error.what();
     CAPTURE(text);
-    CHECK(error.exit_code() == ExitCode::bad_data);
+    CHECK(error.fault() == Fault::bad_data);
     CHECK(text.find(
               "vertex 7: lies outside the cage, got (1.2, 3.25, 1.7), 0.25 m from its nearest face (and 1 more)") == 0);
   }

@@ -10,6 +10,7 @@
 #include "tests/embedding/hex_files.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
+#include "tools/system/exit_code.h"
 
 using namespace umax;
 using namespace umax::testing;
@@ -33,7 +34,7 @@ void refuses(const std::string& name, const std::string& content, const std::str
     load_hex_mesh(write_file(name, content));
   } catch (const Error& error) {
     CAPTURE(std::string(error.what()));
-    CHECK(int(error.exit_code()) == 65);
+    CHECK(exit_code_of(error.fault()) == 65);
     CHECK(std::string(error.what()).find(name) != std::string::npos);
     CHECK(std::string(error.what()).find(text) != std::string::npos);
     CHECK(std::string(error.what()).size() < 700);
@@ -296,7 +297,7 @@ TEST_CASE("files of hexes with bytes changed are read or refused, whatever the b
         CHECK(mesh.hexes.maxCoeff() < mesh.nodes.rows());
         ++read;
       } catch (const Error& error) {
-        CHECK(error.exit_code() == ExitCode::bad_data);
+        CHECK(error.fault() == Fault::bad_data);
         ++refused;
       }
     }

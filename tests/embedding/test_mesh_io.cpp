@@ -4,6 +4,7 @@
 #include "tests/embedding/mesh_files.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
+#include "tools/system/exit_code.h"
 
 using namespace umax;
 using namespace umax::testing;
@@ -31,7 +32,7 @@ std::pair<int, std::string> failure(const std::filesystem::path& path) {
   try {
     load_mesh(path);
   } catch (const Error& error) {
-    return {int(error.exit_code()), error.what()};
+    return {exit_code_of(error.fault()), error.what()};
   }
   return {0, "no error"};
 }

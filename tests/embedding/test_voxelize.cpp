@@ -159,7 +159,7 @@ TEST_CASE("cages that cannot be are refused before memory is taken") {
     try {
       voxelize(sphere, options);
     } catch (const Error& error) {
-      return error.exit_code() == ExitCode::bad_data;
+      return error.fault() == Fault::bad_data;
     }
     return false;
   };

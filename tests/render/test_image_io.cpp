@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/srgb.h"
@@ -35,13 +36,13 @@ Image wide_range(int width, int height, int channels) {
   return image;
 }
 
-ExitCode code_of(const std::function<void()>& action) {
+std::optional<Fault> fault_of(const std::function<void()>& action) {
   try {
     action();
   } catch (const Error& error) {
-    return error.exit_code();
+    return error.fault();
   }
-  return ExitCode(0);
+  return std::nullopt;
 }
 
 std::size_t num_files(const fs::path& folder) {
@@ -137,11 +138,11 @@ TEST_CASE("a run-length coded HDR picture is decoded") {
 
 TEST_CASE("damaged, missing and unknown pictures are told apart") {
   const auto folder = output_folder();
-  CHECK(code_of([&] { read_image(folder / "absent.png"); }) == ExitCode::not_found);
+  CHECK(fault_of([&] { read_image(folder / "absent.png"); }) == Fault::not_found);
   write_file(folder / "empty.png", "");
-  CHECK(code_of([&] { read_image(folder / "empty.png"); }) == ExitCode::bad_data);
+  CHECK(fault_of([&] { read_image(folder / "empty.png"); }) == Fault::bad_data);
   write_file(folder / "text.png", "not a picture");
-  CHECK(code_of([&] { read_image(folder / "text.png"); }) == ExitCode::bad_data);
+  CHECK(fault_of([&] { read_image(folder / "text.png"); }) == Fault::bad_data);
 
   write_png(folder / "whole.png", noise_codes(64, 64, 3));
   write_exr(folder / "whole.exr", {{"", wide_range(64, 64, 3)}});
@@ -150,20 +151,20 @@ TEST_CASE("damaged, missing and unknown pictures are told apart") {
     for (const std::size_t kept : {std::size_t(20), bytes.size() / 2, bytes.size() - 40}) {
       write_file(folder / "cut", std::string_view(bytes).substr(0, kept));
       INFO(name << " cut to " << kept);
-      CHECK(code_of([&] { read_image(folder / "cut"); }) == ExitCode::bad_data);
+      CHECK(fault_of([&] { read_image(folder / "cut"); }) == Fault::bad_data);
     }
   }
 }
 
 TEST_CASE("a folder that cannot be written to is error 73") {
-  CHECK(code_of([&] { write_png(output_folder() / "no/such/folder.png", noise_codes(4, 4, 3)); }) ==
-        ExitCode::cannot_create);
-  CHECK(code_of([&] { write_png("/proc/self/picture.png", noise_codes(4, 4, 3)); }) == ExitCode::cannot_create);
+  CHECK(fault_of([&] { write_png(output_folder() / "no/such/folder.png", noise_codes(4, 4, 3)); }) ==
+        Fault::cannot_create);
+  CHECK(fault_of([&] { write_png("/proc/self/picture.png", noise_codes(4, 4, 3)); }) == Fault::cannot_create);
   const auto locked = output_folder() / "locked";
   fs::create_directories(locked);
   fs::permissions(locked, fs::perms::owner_read | fs::perms::owner_exec);
   if (::geteuid() != 0)  // root may write anywhere
-    CHECK(code_of([&] { write_png(locked / "picture.png", noise_codes(4, 4, 3)); }) == ExitCode::cannot_create);
+    CHECK(fault_of([&] { write_png(locked / "picture.png", noise_codes(4, 4, 3)); }) == Fault::cannot_create);
   fs::permissions(locked, fs::perms::owner_all);
 }
 
@@ -180,11 +181,11 @@ TEST_CASE("a full disk keeps the old file whole and leaves no other") {
   rlimit limit = before;
   limit.rlim_cur = 5000;
   ::setrlimit(RLIMIT_FSIZE, &limit);
-  const ExitCode code = code_of([&] { write_png(folder / "frame.png", noise_codes(100, 100, 3)); });
+  const auto fault = fault_of([&] { write_png(folder / "frame.png", noise_codes(100, 100, 3)); });
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old_handler);
 
-  CHECK(code == ExitCode::cannot_create);
+  CHECK(fault == Fault::cannot_create);
   CHECK(read_file(folder / "frame.png") == "the old one");
   CHECK(num_files(folder) == 1);
 }

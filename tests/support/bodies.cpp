@@ -158,7 +158,7 @@ std::string complaint(const Body& body) {
   try {
     make_model({body}, {});
   } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
+    CHECK(error.fault() == Fault::bad_data);
     return error.what();
   }
   return "";

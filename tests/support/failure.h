@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "tools/system/exit_code.h"
 
 namespace umax::test {
 
@@ -19,7 +20,7 @@ Failure failure_of(const Function& function) {
     function();
   } catch (const Error& error) {
     const ErrorText& text = error.text();
-    return {int(error.exit_code()), error.what(), text.where, text.what, text.value, text.remedy};
+    return {exit_code_of(error.fault()), error.what(), text.where, text.what, text.value, text.remedy};
   }
   return {};
 }

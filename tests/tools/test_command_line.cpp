@@ -1,6 +1,7 @@
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
 #include "tools/run/options.h"
+#include "tools/system/exit_code.h"
 
 using namespace umax;
 using umax::test::contains;
@@ -16,7 +17,7 @@ std::string message_of(const std::vector<const char*>& words) {
   try {
     parse(words);
   } catch (const Error& error) {
-    return int(error.exit_code()) == 2 ? error.what() : "another exit code";
+    return exit_code_of(error.fault()) == 2 ? error.what() : "another exit code";
   }
   return "no error";
 }

@@ -24,7 +24,7 @@ std::string complaint(const std::string& text, const MeasurementOptions& options
   try {
     parsed(text, options);
   } catch (const Error& error) {
-    return error.exit_code() == ExitCode::bad_data ? error.what() : "";
+    return error.fault() == Fault::bad_data ? error.what() : "";
   }
   return "";
 }

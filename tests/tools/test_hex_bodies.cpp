@@ -23,7 +23,7 @@ std::string message_of(const std::string& scene) {
   try {
     set_up(load_scene(scene));
   } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
+    CHECK(error.fault() == Fault::bad_data);
     return error.what();
   }
   return "";

@@ -9,6 +9,7 @@
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
+#include "tools/system/exit_code.h"
 
 using namespace umax;
 
@@ -83,6 +84,6 @@ TEST_CASE("a box without vertices is refused") {
   const auto code = [](const Points& rest, const LimbBox& box) {
     return error_code_of([&] { select_limb(rest, box); });
   };
-  CHECK(code(two_legs(), {{0.3, 0, 0}, {0.7, 0.2, 1}}) == int(ExitCode::bad_data));
-  CHECK(code(Points(0, 3), left_leg) == int(ExitCode::bad_data));
+  CHECK(code(two_legs(), {{0.3, 0, 0}, {0.7, 0.2, 1}}) == exit_code_of(Fault::bad_data));
+  CHECK(code(Points(0, 3), left_leg) == exit_code_of(Fault::bad_data));
 }

@@ -34,7 +34,7 @@ bool contains_word(std::string_view words, std::string_view word) {
 }
 
 [[noreturn]] void usage_error(const std::string& what, const std::string& remedy) {
-  throw Error(ExitCode::usage, {"", what, "", remedy});
+  throw Error(Fault::usage, {"", what, "", remedy});
 }
 
 /// Checker of CLI11: what is wrong with the text, or nothing.

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "tools/cli/verbs.h"
+#include "tools/system/exit_code.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/version.h"
 
@@ -42,20 +43,20 @@ int run(int argc, char** argv) {
   return run_verb(options);
 }
 
-int report(umax::ExitCode code, const std::string& message) {
+int report(umax::Fault fault, const std::string& message) {
   fmt::print(stderr, "umax: error: {}\n", message);
-  return int(code);
+  return umax::exit_code_of(fault);
 }
 
 int guarded_run(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const umax::Error& error) {
-    return report(error.exit_code(), error.what());
+    return report(error.fault(), error.what());
   } catch (const std::bad_alloc&) {
-    return report(umax::ExitCode::internal, "memory ran out; fewer cells, smaller pictures or another machine help");
+    return report(umax::Fault::internal, "memory ran out; fewer cells, smaller pictures or another machine help");
   } catch (const std::exception& error) {
-    return report(umax::ExitCode::internal,
+    return report(umax::Fault::internal,
                   fmt::format("internal: {}; please report it with the command and the scene", error.what()));
   }
 }
@@ -68,5 +69,5 @@ int main(int argc, char** argv) {
   umax::keep_freed_memory();
   const int code = guarded_run(argc, argv);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  return code == 0 ? report(umax::ExitCode::io_error, "standard output cannot be written") : code;
+  return code == 0 ? report(umax::Fault::io_error, "standard output cannot be written") : code;
 }

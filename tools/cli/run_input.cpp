@@ -27,10 +27,10 @@ double parse_length(const std::string& option, const std::string& text) {
   std::string problem;
   const auto quantity = parse_quantity(text, units::length, problem);
   if (quantity && std::isfinite(quantity->value) && quantity->value > 0) return quantity->value;
-  throw Error(ExitCode::usage, {.where = option,
-                                .what = quantity ? "must be positive" : problem,
-                                .value = '"' + text + '"',
-                                .remedy = "give a length such as 1.8 or \"30 cm\""});
+  throw Error(Fault::usage, {.where = option,
+                             .what = quantity ? "must be positive" : problem,
+                             .value = '"' + text + '"',
+                             .remedy = "give a length such as 1.8 or \"30 cm\""});
 }
 
 /// "cm" or a number of metres.
@@ -43,17 +43,17 @@ double parse_stretch(const std::string& text) {
   std::string problem;
   const auto quantity = parse_quantity(text, units::ratio, problem);
   if (quantity && quantity->value > 0 && quantity->value < 10) return quantity->value;
-  throw Error(ExitCode::usage, {.where = "--stretch",
-                                .what = quantity ? "must be more than 0 and less than 1000 %" : problem,
-                                .value = '"' + text + '"',
-                                .remedy = "give a share such as 20%"});
+  throw Error(Fault::usage, {.where = "--stretch",
+                             .what = quantity ? "must be more than 0 and less than 1000 %" : problem,
+                             .value = '"' + text + '"',
+                             .remedy = "give a share such as 20%"});
 }
 
 void require_axis(const std::string& up) {
   static const std::vector<std::string> axes{"x", "y", "z", "-x", "-y", "-z"};
   if (std::find(axes.begin(), axes.end(), up) == axes.end())
     throw Error(
-        ExitCode::usage,
+        Fault::usage,
         {.where = "--up", .what = "is no axis", .value = '"' + up + '"', .remedy = "give x, y, z, -x, -y or -z"});
 }
 
@@ -77,7 +77,7 @@ MeshFacts look_at_mesh(const fs::path& path, const MeshSource& source, const std
     return {height, studio_look(file.mesh.colors.rows() > 0, has_texture)};
 
   const std::string unit = placement.unit ? fmt::format("{:g} m", *placement.unit) : "1 m, as the file does not say";
-  throw Error(ExitCode::bad_data,
+  throw Error(Fault::bad_data,
               {.where = path.string(),
                .what = "is outside 1 cm to 20 m",
                .value = fmt::format("a height of {:.4g} m (file unit: {})", height, unit),
@@ -98,9 +98,9 @@ InputKind kind_of_input(const std::string& input) {
 Scene scene_of_run(const fs::path& folder, const std::vector<Override>& overrides) {
   std::error_code error;
   if (!fs::is_directory(folder, error) || !fs::exists(folder / "scene.toml", error))
-    throw Error(ExitCode::not_found, {.where = folder.string(),
-                                      .what = "is not the folder of a run",
-                                      .remedy = "give a folder that umax run or simulate made"});
+    throw Error(Fault::not_found, {.where = folder.string(),
+                                   .what = "is not the folder of a run",
+                                   .remedy = "give a folder that umax run or simulate made"});
   return load_scene((folder / "scene.toml").string(), overrides);
 }
 
@@ -108,7 +108,7 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   if (options.up) require_axis(*options.up);
   std::error_code error;
   if (!fs::exists(path, error))
-    throw Error(ExitCode::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
+    throw Error(Fault::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
   MeshSource source;
   source.path = fs::absolute(path).lexically_normal();
   source.up = options.up;
@@ -129,10 +129,9 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
                 .unit = LimitUnit::stretch,
                 .value = options.stretch ? parse_stretch(*options.stretch) : 0.2};
   if (options.cells && body.brings_its_hexes())
-    throw Error(ExitCode::usage,
-                {.where = "--cells",
-                 .what = "does not fit here: the hexes of " + path.filename().string() + " are the cage",
-                 .remedy = "leave it out"});
+    throw Error(Fault::usage, {.where = "--cells",
+                               .what = "does not fit here: the hexes of " + path.filename().string() + " are the cage",
+                               .remedy = "leave it out"});
   if (options.cells) body.cage.size = *options.cells;
 
   Scene scene;

@@ -30,7 +30,7 @@ Image8 read_for_eyes(const fs::path& path) {
 Comparison compare_pictures(const fs::path& a, const fs::path& b) {
   Image8 reference = read_for_eyes(a), test = read_for_eyes(b);
   if (reference.width != test.width || reference.height != test.height)
-    throw Error(ExitCode::bad_data,
+    throw Error(Fault::bad_data,
                 {.where = b.string(),
                  .what = fmt::format("has another size than {}", a.string()),
                  .value = fmt::format("{}x{} and {}x{}", test.width, test.height, reference.width, reference.height),
@@ -56,9 +56,9 @@ std::vector<std::string> picture_names(fs::path& folder) {
     if (is_picture(entry.path())) names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
   if (names.empty())
-    throw Error(ExitCode::not_found, {.where = folder.string(),
-                                      .what = "holds no pictures",
-                                      .remedy = "give two pictures, or two folders with pictures of the same names"});
+    throw Error(Fault::not_found, {.where = folder.string(),
+                                   .what = "holds no pictures",
+                                   .remedy = "give two pictures, or two folders with pictures of the same names"});
   return names;
 }
 
@@ -68,9 +68,9 @@ void require_same_names(const fs::path& a, const std::vector<std::string>& names
                                const std::vector<std::string>& there) {
     for (const std::string& name : there)
       if (!std::binary_search(here.begin(), here.end(), name))
-        throw Error(ExitCode::not_found, {.where = (folder / name).string(),
-                                          .what = "does not exist, but the other folder has it",
-                                          .remedy = "render the same frames and kinds of pictures in both"});
+        throw Error(Fault::not_found, {.where = (folder / name).string(),
+                                       .what = "does not exist, but the other folder has it",
+                                       .remedy = "render the same frames and kinds of pictures in both"});
   };
   find_missing(b, names_b, names_a);
   find_missing(a, names_a, names_b);
@@ -130,7 +130,7 @@ int compare_folders(fs::path a, fs::path b, const Judge& judge) {
 
 int verb_compare(const Options& options) {
   if (options.inputs.size() != 2)
-    throw Error(ExitCode::usage,
+    throw Error(Fault::usage,
                 {.what = "umax compare takes two pictures or two folders", .remedy = "see umax help compare"});
   const ThreadLimit threads(options.threads);
   const fs::path a = options.inputs[0], b = options.inputs[1];
@@ -138,9 +138,9 @@ int verb_compare(const Options& options) {
   std::error_code error;
   for (const fs::path& path : {a, b})
     if (!fs::exists(path, error))
-      throw Error(ExitCode::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
+      throw Error(Fault::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
   if (fs::is_directory(a, error) != fs::is_directory(b, error))
-    throw Error(ExitCode::usage,
+    throw Error(Fault::usage,
                 {.what = "a picture cannot be compared with a folder", .remedy = "give two pictures, or two folders"});
   if (fs::is_directory(a, error)) return compare_folders(a, b, judge);
 

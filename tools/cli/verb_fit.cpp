@@ -21,8 +21,8 @@ std::optional<double> positive_option(const std::optional<std::string>& text, co
   std::string problem;
   const auto quantity = parse_quantity(*text, unit, problem);
   if (quantity && quantity->value > 0) return quantity->value;
-  throw Error(ExitCode::usage, {option, quantity ? "must be positive" : problem, *text,
-                                fmt::format("give it as in {} \"{}\"", option, unit.example)});
+  throw Error(Fault::usage, {option, quantity ? "must be positive" : problem, *text,
+                             fmt::format("give it as in {} \"{}\"", option, unit.example)});
 }
 
 MeasurementOptions measurement_options(const Options& options) {
@@ -38,8 +38,8 @@ MeasurementOptions measurement_options(const Options& options) {
 
 int verb_fit(const Options& options) {
   if (options.inputs.size() != 1)
-    throw Error(ExitCode::usage, {"umax fit", "takes one file of measurements", std::to_string(options.inputs.size()),
-                                  "give a .csv file; see umax help fit"});
+    throw Error(Fault::usage, {"umax fit", "takes one file of measurements", std::to_string(options.inputs.size()),
+                               "give a .csv file; see umax help fit"});
   const std::filesystem::path file = options.inputs.front();
   const MeasurementOptions measured = measurement_options(options);
   const std::filesystem::path output = output_folder(options, file.stem().string() + "-fit");

@@ -101,7 +101,7 @@ const std::vector<VerbHelp>& verbs() {
 }
 
 int verb_help(const Options& options) {
-  if (options.inputs.size() > 1) throw Error(ExitCode::usage, {"", "umax help takes one verb", "", "see umax help"});
+  if (options.inputs.size() > 1) throw Error(Fault::usage, {"", "umax help takes one verb", "", "see umax help"});
   fmt::print("{}", help_text(options.inputs.empty() ? "" : options.inputs.front()));
   return 0;
 }

@@ -289,9 +289,9 @@ void print_json(const std::string& input, InputKind kind, const Scene& scene, co
 std::optional<std::filesystem::path> place_of_picture(const Scene& scene, const Options& options) {
   if (!options.map) {
     if (!options.output && !options.overwrite) return std::nullopt;
-    throw Error(ExitCode::usage, {.where = options.output ? "-o" : "--overwrite",
-                                  .what = "is for the picture of --map",
-                                  .remedy = "add --map limit or --map young"});
+    throw Error(Fault::usage, {.where = options.output ? "-o" : "--overwrite",
+                               .what = "is for the picture of --map",
+                               .remedy = "add --map limit or --map young"});
   }
   const std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
   require_new_file(path, options.overwrite);

@@ -15,9 +15,9 @@ std::optional<std::filesystem::path> file_of(const Options& options) {
   std::optional<std::filesystem::path> file;
   for (const Override& override : scene_overrides(options)) {
     if (override.key != "presets")
-      throw Error(ExitCode::usage, {.where = "--set " + override.key,
-                                    .what = "does not go with umax presets",
-                                    .remedy = "it takes --set presets=FILE, a file of materials of your own"});
+      throw Error(Fault::usage, {.where = "--set " + override.key,
+                                 .what = "does not go with umax presets",
+                                 .remedy = "it takes --set presets=FILE, a file of materials of your own"});
     file = override.value;
   }
   return file;

@@ -24,7 +24,7 @@ void render_in_place(const fs::path& run, const Options& options, Job& job) {
   job.replace_pictures = options.overwrite;
   if (has_pictures(run) && !options.resume && !options.overwrite)
     throw Error(
-        ExitCode::cannot_create,
+        Fault::cannot_create,
         {.where = (run / "frames").string(),
          .what = "holds pictures already",
          .remedy = "go on with them by --resume, replace them by --overwrite, or choose another folder with -o"});
@@ -39,9 +39,9 @@ int verb_render(const Options& options) {
   job.simulate = false;
   job.default_frames = std::min(count_states(run), job.scene.clip.frames);
   if (*job.default_frames == 0)
-    throw Error(ExitCode::not_found, {.where = (run / "states").string(),
-                                      .what = "there are no states",
-                                      .remedy = "simulate first: umax simulate SCENE -o " + run.string()});
+    throw Error(Fault::not_found, {.where = (run / "states").string(),
+                                   .what = "there are no states",
+                                   .remedy = "simulate first: umax simulate SCENE -o " + run.string()});
 
   std::error_code error;
   const bool in_place = !options.output || fs::equivalent(*options.output, run, error);

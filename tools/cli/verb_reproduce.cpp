@@ -21,10 +21,10 @@ std::vector<std::string> wanted_names(const Options& options) {
   for (const Experiment& experiment : experiments()) known.emplace_back(experiment.name);
   for (const std::string& name : options.inputs)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Error(ExitCode::usage, {.where = "umax reproduce " + name,
-                                    .what = "there is no such experiment",
-                                    .remedy = fmt::format("did you mean {}? There are {}", nearest_word(name, known),
-                                                          fmt::join(known, ", "))});
+      throw Error(Fault::usage, {.where = "umax reproduce " + name,
+                                 .what = "there is no such experiment",
+                                 .remedy = fmt::format("did you mean {}? There are {}", nearest_word(name, known),
+                                                       fmt::join(known, ", "))});
   return options.inputs.empty() ? known : options.inputs;
 }
 

@@ -11,7 +11,7 @@ namespace umax {
 int verb_scenes(const Options& options) {
   if (!options.inputs.empty())
     throw Error(
-        ExitCode::usage,
+        Fault::usage,
         {.what = "umax scenes takes no argument", .value = options.inputs.front(), .remedy = "see umax help scenes"});
   const auto scenes = builtin_scenes();
   std::size_t width = 0;

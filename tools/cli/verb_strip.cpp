@@ -19,7 +19,7 @@ namespace {
 /// One item for every run and frame, in the order of the command line.
 std::vector<StripItem> items_of(const Options& options) {
   if (options.inputs.empty())
-    throw Error(ExitCode::usage, {.what = "umax strip takes folders of runs", .remedy = "see umax help strip"});
+    throw Error(Fault::usage, {.what = "umax strip takes folders of runs", .remedy = "see umax help strip"});
   std::vector<StripItem> items;
   for (const std::string& run : options.inputs) {
     Scene scene = scene_of_run(run, scene_overrides(options));
@@ -28,14 +28,14 @@ std::vector<StripItem> items_of(const Options& options) {
     const int count = count_states(run);
     for (const int frame : options.frames ? parse_frame_list(*options.frames) : std::vector<int>{count}) {
       if (frame < 1 || frame > count)
-        throw Error(ExitCode::not_found, {.where = state_path(run, frame).string(),
-                                          .what = "there is no state of this frame",
-                                          .remedy = fmt::format("the run has {} states", count)});
+        throw Error(Fault::not_found, {.where = state_path(run, frame).string(),
+                                       .what = "there is no state of this frame",
+                                       .remedy = fmt::format("the run has {} states", count)});
       items.push_back({simulation, read_state(state_path(run, frame), simulation->model, simulation->digest), {}});
     }
   }
   if (!options.labels.empty() && options.labels.size() != items.size())
-    throw Error(ExitCode::usage,
+    throw Error(Fault::usage,
                 {.where = "--label",
                  .what = fmt::format("needs one label for each of the {} things in the strip, or none", items.size()),
                  .value = std::to_string(options.labels.size()),

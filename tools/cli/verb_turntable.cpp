@@ -23,7 +23,7 @@ int still_frame(const fs::path& run, const Options& options) {
   const int count = count_states(run);
   const int frame = options.still.value_or(count);
   if (frame >= 1 && frame <= count) return frame;
-  throw Error(ExitCode::not_found,
+  throw Error(Fault::not_found,
               {.where = state_path(run, frame).string(),
                .what = "there is no state of this frame",
                .remedy = "the run has " + std::to_string(count) + " states; choose one with --still"});
@@ -35,7 +35,7 @@ int verb_turntable(const Options& options) {
   const std::string input = single_input(options, "mesh, scene or folder of a run");
   const InputKind kind = kind_of_input(input);
   if (kind != InputKind::run && options.still)
-    throw Error(ExitCode::usage, {.where = "--still", .what = "is for the folder of a run", .remedy = "leave it out"});
+    throw Error(Fault::usage, {.where = "--still", .what = "is for the folder of a run", .remedy = "leave it out"});
 
   Job job;
   job.simulate = false;

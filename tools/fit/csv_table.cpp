@@ -14,7 +14,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 [[noreturn]] void fail(const std::string& where, const std::string& what, const std::string& value,
                        const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
+  throw Error(Fault::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
 }
 
 /// Takes rows off the front of a text.

@@ -147,7 +147,7 @@ int count(const std::vector<char>& flags) {
 
 [[noreturn]] void refuse(const Measurements& data, const std::string& what, const std::string& value,
                          const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {.where = data.name, .what = what, .value = value, .remedy = remedy});
+  throw Error(Fault::bad_data, {.where = data.name, .what = what, .value = value, .remedy = remedy});
 }
 
 /// Estimates with intervals of Student's t, from the curvature at the solution. Parameters are logarithms or not.

@@ -54,7 +54,7 @@ struct Column {
 
 [[noreturn]] void fail(const std::string& where, const std::string& what, const std::string& value,
                        const std::string& remedy) {
-  throw Error(ExitCode::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
+  throw Error(Fault::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
 }
 
 /// "Force [N]" or "Force (N)" to its name in small letters and its unit.
@@ -205,18 +205,18 @@ void check_enough(const Measurements& measurements, std::size_t num_rows) {
 double area_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
   if (column.kind->quantity == Quantity::stress) return 1;
   if (!options.area)
-    throw Error(ExitCode::usage, {.where = name + ": " + column.title,
-                                  .what = "is a force, and says nothing of the material without the specimen's section",
-                                  .remedy = "give --area, as in --area \"25 mm^2\""});
+    throw Error(Fault::usage, {.where = name + ": " + column.title,
+                               .what = "is a force, and says nothing of the material without the specimen's section",
+                               .remedy = "give --area, as in --area \"25 mm^2\""});
   return *options.area;
 }
 
 double length_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
   if (column.kind->quantity != Quantity::displacement) return 1;
   if (!options.length)
-    throw Error(ExitCode::usage, {.where = name + ": " + column.title,
-                                  .what = "says nothing of the material without the specimen's length",
-                                  .remedy = "give --length, as in --length \"50 mm\""});
+    throw Error(Fault::usage, {.where = name + ": " + column.title,
+                               .what = "says nothing of the material without the specimen's length",
+                               .remedy = "give --length, as in --length \"50 mm\""});
   return *options.length;
 }
 

@@ -119,7 +119,7 @@ class Page {
   std::string finish() {
     cairo_surface_finish(surface_.get());
     if (cairo_status(get()) != CAIRO_STATUS_SUCCESS || cairo_surface_status(surface_.get()) != CAIRO_STATUS_SUCCESS)
-      throw Error(ExitCode::internal, {.what = "a plot could not be drawn", .remedy = "please report it"});
+      throw Error(Fault::internal, {.what = "a plot could not be drawn", .remedy = "please report it"});
     // the only thing that is not the plot's: the surface's number in this process
     static const std::regex surface_number("surface[0-9]+");
     return std::regex_replace(text_, surface_number, "surface");

@@ -44,12 +44,11 @@ Limb select_limb(const Points& rest, const LimbBox& box) {
     }
   }
   if (limb.vertices.empty())
-    throw Error(ExitCode::bad_data,
-                {.where = "limb",
-                 .what = "no vertex of the surface lies in its box",
-                 .value = fmt::format("({}, {}, {}) to ({}, {}, {}) of the bounding box", box.low[0], box.low[1],
-                                      box.low[2], box.high[0], box.high[1], box.high[2]),
-                 .remedy = "choose a box that holds the limb"});
+    throw Error(Fault::bad_data, {.where = "limb",
+                                  .what = "no vertex of the surface lies in its box",
+                                  .value = fmt::format("({}, {}, {}) to ({}, {}, {}) of the bounding box", box.low[0],
+                                                       box.low[1], box.low[2], box.high[0], box.high[1], box.high[2]),
+                                  .remedy = "choose a box that holds the limb"});
 
   // its two ends
   const auto [bottom, top] = heights_of(limb.vertices, rest);

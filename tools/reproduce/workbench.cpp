@@ -41,9 +41,9 @@ std::vector<std::string> armadillo_settings_of(const Options& options) {
     const std::string key = parse_override(setting).key;
     has_mesh = has_mesh || key == "body.armadillo.mesh";
     if (key != "body.armadillo.mesh" && key != "body.armadillo.unit" && key != "body.armadillo.up")
-      throw Error(ExitCode::usage, {.where = "--set " + setting,
-                                    .what = "umax reproduce takes body.armadillo.mesh, .unit and .up only",
-                                    .remedy = "the experiments are the paper's; run others with umax run"});
+      throw Error(Fault::usage, {.where = "--set " + setting,
+                                 .what = "umax reproduce takes body.armadillo.mesh, .unit and .up only",
+                                 .remedy = "the experiments are the paper's; run others with umax run"});
   }
   return has_mesh ? options.settings : std::vector<std::string>();
 }

@@ -27,8 +27,7 @@ std::uint32_t big_endian(std::string_view bytes) {
 }
 
 [[noreturn]] void fail_png(const fs::path& path, const std::string& what) {
-  throw Error(ExitCode::bad_data,
-              {path.string(), what, "", "render it again (delete it and use umax render --resume)"});
+  throw Error(Fault::bad_data, {path.string(), what, "", "render it again (delete it and use umax render --resume)"});
 }
 
 /// Walks the chunks of a PNG: signature, lengths, checksums, end.
@@ -59,8 +58,8 @@ fs::path temporary_clip(const fs::path& clip) {
 
 [[noreturn]] void fail_encoding(const fs::path& clip, const ProcessResult& result) {
   const std::string messages = result.messages.substr(0, result.messages.find('\n'));
-  throw Error(ExitCode::io_error, {clip.string(), fmt::format("ffmpeg failed with exit code {}", result.exit_code),
-                                   messages, "look for room on the disk, then go on with --resume"});
+  throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg failed with exit code {}", result.exit_code),
+                                messages, "look for room on the disk, then go on with --resume"});
 }
 
 std::vector<std::string> encode_command(const fs::path& target, const ClipOptions& options) {
@@ -100,17 +99,17 @@ long long count_frames(const fs::path& clip) {
 void require_clip_encoder() {
   for (const char* program : {"ffmpeg", "ffprobe"})
     if (!find_program(program))
-      throw Error(ExitCode::unavailable,
+      throw Error(Fault::unavailable,
                   {program, "is needed to encode the clip and is not installed", "", install_remedy});
   const ProcessResult encoders = run_process({"ffmpeg", "-hide_banner", "-loglevel", "error", "-encoders"});
   if (encoders.output.find("libx264") == std::string::npos)
-    throw Error(ExitCode::unavailable, {"ffmpeg", "has no H.264 encoder (libx264)", "", install_remedy});
+    throw Error(Fault::unavailable, {"ffmpeg", "has no H.264 encoder (libx264)", "", install_remedy});
 }
 
 void require_even_size(int width, int height) {
   if (width % 2 == 0 && height % 2 == 0) return;
-  throw Error(ExitCode::usage, {"--size", "a clip needs an even width and height", fmt::format("{}x{}", width, height),
-                                fmt::format("use {}x{}", width + width % 2, height + height % 2)});
+  throw Error(Fault::usage, {"--size", "a clip needs an even width and height", fmt::format("{}x{}", width, height),
+                             fmt::format("use {}x{}", width + width % 2, height + height % 2)});
 }
 
 void check_png(const fs::path& path, int width, int height) {
@@ -130,8 +129,8 @@ void encode_clip(const fs::path& clip, std::size_t num_pictures, const PictureSo
     if (result.exit_code != 0) fail_encoding(clip, result);
     const long long count = count_frames(temporary);
     if (count != static_cast<long long>(num_pictures))
-      throw Error(ExitCode::io_error, {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures),
-                                       "", "look for room on the disk, then go on with --resume"});
+      throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures), "",
+                                    "look for room on the disk, then go on with --resume"});
     sync_file(temporary);
     fs::rename(temporary, clip);
   } catch (...) {

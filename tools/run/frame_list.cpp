@@ -14,8 +14,7 @@ namespace {
 constexpr int largest_frame = 10'000'000;
 
 [[noreturn]] void fail(const std::string& what, std::string_view value) {
-  throw Error(ExitCode::usage,
-              {"--frames", what, "\"" + std::string(value) + "\"", "write frames as in 1-40,50,60-90x2"});
+  throw Error(Fault::usage, {"--frames", what, "\"" + std::string(value) + "\"", "write frames as in 1-40,50,60-90x2"});
 }
 
 /// Takes a positive number off the front of `text`; `item` is quoted when there is none.
@@ -59,8 +58,8 @@ std::vector<int> parse_frame_list(const std::string& text, int last_frame) {
     rest.remove_prefix(comma + 1);
   }
   if (frames.empty())
-    throw Error(ExitCode::usage, {"--frames", "the clip has " + std::to_string(last_frame) + " frames",
-                                  "\"" + text + "\"", "name frames up to that, or raise clip.frames with --set"});
+    throw Error(Fault::usage, {"--frames", "the clip has " + std::to_string(last_frame) + " frames", "\"" + text + "\"",
+                               "name frames up to that, or raise clip.frames with --set"});
   return {frames.begin(), frames.end()};
 }
 

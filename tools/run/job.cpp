@@ -18,6 +18,7 @@
 #include "tools/run/simulate.h"
 #include "tools/run/step_plots.h"
 #include "tools/setup/limit_report.h"
+#include "tools/system/exit_code.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/seconds_since.h"
 #include "tools/system/signals.h"
@@ -96,7 +97,7 @@ SimulateResult simulate_and_plot(const Simulation& simulation, const RunFolder& 
     write_step_plots(folder, simulation.scene);
     return result;
   } catch (const Error& error) {
-    if (error.exit_code() == ExitCode::try_again) write_step_plots(folder, simulation.scene);
+    if (error.fault() == Fault::try_again) write_step_plots(folder, simulation.scene);
     throw;
   }
 }
@@ -160,19 +161,18 @@ int do_stages(const Job& job, const Options& options, const Simulation& simulati
 void require_same_run(const RunFolder& folder, const Simulation& simulation) {
   const auto record = read_run_record(folder.record());
   if (!record || record->model_sha256 == simulation.digest || count_states(folder.path()) == 0) return;
-  throw Error(ExitCode::bad_data, {.where = folder.path().string(),
-                                   .what = "holds the states of another scene, mesh or solver setting",
-                                   .remedy = "choose another folder with -o, or replace it with --overwrite"});
+  throw Error(Fault::bad_data, {.where = folder.path().string(),
+                                .what = "holds the states of another scene, mesh or solver setting",
+                                .remedy = "choose another folder with -o, or replace it with --overwrite"});
 }
 
 /// Keeps the exit code in run.json; a full disk before the first output means that it cannot be created, later that a
 /// write failed.
 [[noreturn]] void end_with(const Error& error, const RunFolder& folder, RecordKeeper& keeper) {
   const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames());
-  const ExitCode code =
-      error.exit_code() == ExitCode::cannot_create && is_late ? ExitCode::io_error : error.exit_code();
-  keeper.finish_after_error(int(code));
-  throw Error(code, error.text());
+  const Fault fault = error.fault() == Fault::cannot_create && is_late ? Fault::io_error : error.fault();
+  keeper.finish_after_error(exit_code_of(fault));
+  throw Error(fault, error.text());
 }
 
 }  // namespace
@@ -236,20 +236,20 @@ void require_new_file(const std::filesystem::path& path, bool overwrite) {
   std::error_code error;
   if (!overwrite && std::filesystem::exists(path, error))
     throw Error(
-        ExitCode::cannot_create,
+        Fault::cannot_create,
         {.where = path.string(), .what = "exists already", .remedy = "give another name with -o, or --overwrite"});
 }
 
 std::string single_input(const Options& options, const std::string& what) {
   if (options.inputs.size() == 1) return options.inputs.front();
-  throw Error(ExitCode::usage,
+  throw Error(Fault::usage,
               {.what = "umax " + options.verb + " takes one " + what, .remedy = "see umax help " + options.verb});
 }
 
 std::filesystem::path output_folder(const Options& options, const std::string& name) {
   if (!options.output) return name;
   if (options.output->empty())
-    throw Error(ExitCode::usage, {.where = "-o", .what = "is empty", .remedy = "name a folder"});
+    throw Error(Fault::usage, {.where = "-o", .what = "is empty", .remedy = "name a folder"});
   return *options.output;
 }
 

@@ -215,7 +215,7 @@ void require_memory(const JobSize& size, const Scene& scene, double memory) {
                                               [](const auto& a, const auto& b) { return a.hexes < b.hexes; });
   double hexes = 0;
   for (const BodySize& body : size.bodies) hexes += body.hexes;
-  throw Error(ExitCode::bad_data,
+  throw Error(Fault::bad_data,
               {.where = fmt::format("body.{}.cage", largest.name),
                .what = fmt::format("{:.0f} hexes with solver.linear = {} need about {} of memory, and there are {}",
                                    hexes, solver_name(size), format_memory(needed), format_memory(memory)),

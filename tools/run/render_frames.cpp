@@ -66,9 +66,9 @@ std::string legend_text(const Stage& stage) {
 void require_states(const std::filesystem::path& run, const std::vector<int>& frames) {
   for (const int frame : frames)
     if (std::error_code error; !std::filesystem::exists(state_path(run, frame), error))
-      throw Error(ExitCode::not_found, {.where = state_path(run, frame).string(),
-                                        .what = "there is no state of this frame",
-                                        .remedy = "simulate it first, or name other frames with --frames"});
+      throw Error(Fault::not_found, {.where = state_path(run, frame).string(),
+                                     .what = "there is no state of this frame",
+                                     .remedy = "simulate it first, or name other frames with --frames"});
 }
 
 }  // namespace

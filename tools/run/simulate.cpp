@@ -32,7 +32,7 @@ bool load_whole_state(const Simulation& simulation, const std::filesystem::path&
   try {
     state = decode_state(bytes, path.string(), made_with);
   } catch (const Error& error) {
-    if (error.exit_code() != ExitCode::bad_data) throw;
+    if (error.fault() != Fault::bad_data) throw;
     progress.warning(
         fmt::format("{} {}; it is computed again from the state before", path.string(), error.text().what));
     return false;
@@ -75,17 +75,17 @@ StepRow timed_step(const Simulation& simulation, const StepOptions& options, int
 }
 
 void refuse_unconverged(const StepRow& row) {
-  throw Error(ExitCode::try_again, {.where = fmt::format("step {} (frame {}, {:.4g} s)", row.step, row.frame, row.time),
-                                    .what = "did not converge",
-                                    .value = status_name(row.report.status),
-                                    .remedy = "raise clip.substeps or solver.tolerance, or leave --strict out"});
+  throw Error(Fault::try_again, {.where = fmt::format("step {} (frame {}, {:.4g} s)", row.step, row.frame, row.time),
+                                 .what = "did not converge",
+                                 .value = status_name(row.report.status),
+                                 .remedy = "raise clip.substeps or solver.tolerance, or leave --strict out"});
 }
 
 void require_finite(const State& state, const StepRow& row) {
   if (state.positions.allFinite() && state.velocities.allFinite()) return;
-  throw Error(ExitCode::internal, {.where = fmt::format("step {} (frame {})", row.step, row.frame),
-                                   .what = "positions are no longer finite",
-                                   .remedy = "please report it with the scene; more clip.substeps may help"});
+  throw Error(Fault::internal, {.where = fmt::format("step {} (frame {})", row.step, row.frame),
+                                .what = "positions are no longer finite",
+                                .remedy = "please report it with the scene; more clip.substeps may help"});
 }
 
 std::string describe(const StepReport& report) {

@@ -23,8 +23,8 @@ constexpr const char* fixed_columns =
     "max_energy_ratio,kkt_residual,max_penetration_m,kinetic_energy_J,elastic_energy_J,potential_energy_J,wall_ms";
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ExitCode::io_error, {path.string(), what + " (" + std::strerror(errno) + ")", "",
-                                   "make room on the disk, then go on with --resume"});
+  throw Error(Fault::io_error, {path.string(), what + " (" + std::strerror(errno) + ")", "",
+                                "make room on the disk, then go on with --resume"});
 }
 
 /// The first line of `text` without its end, which is taken off `text`; false when no whole line is left.
@@ -110,8 +110,8 @@ StepsFound read_steps(const std::filesystem::path& path, const std::string& head
   std::string_view rest = text, line;
   if (!take_line(rest, line)) return found;
   if (line != header)
-    throw Error(ExitCode::bad_data, {path.string(), "has other columns than this run would write", "",
-                                     "give the run another folder with -o, or replace it with --overwrite"});
+    throw Error(Fault::bad_data, {path.string(), "has other columns than this run would write", "",
+                                  "give the run another folder with -o, or replace it with --overwrite"});
   while (take_line(rest, line)) {
     const std::string_view number = column(line, 0);
     long long step = 0;

@@ -47,7 +47,7 @@ auto reading_map(const BodySetup& setup, const std::string& key, const MapSource
     } catch (const Error& error) {
       ErrorText text = error.text();
       if (text.where.empty() && !map.own_paint) text.where = map.path.string();
-      throw Error(error.exit_code(), text);
+      throw Error(error.fault(), text);
     }
   });
 }

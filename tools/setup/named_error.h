@@ -15,7 +15,7 @@ auto named(const std::string& thing, Work work) {
   } catch (const Error& error) {
     ErrorText text = error.text();
     if (!text.where.starts_with(thing)) text.where = text.where.empty() ? thing : thing + ": " + text.where;
-    throw Error(error.exit_code(), text);
+    throw Error(error.fault(), text);
   }
 }
 

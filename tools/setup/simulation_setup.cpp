@@ -87,10 +87,10 @@ void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacle
   for (const Obstacle& obstacle : obstacles)
     top = std::max(top, highest_point_below(obstacle, 0, lowest(mesh), highest(mesh)));
   if (!std::isfinite(top))
-    throw Error(ExitCode::bad_data, {.where = "drop_height",
-                                     .what = "there is no obstacle below the body",
-                                     .value = fmt::format("{} m", drop_height),
-                                     .remedy = "add [obstacle.ground], or give position instead"});
+    throw Error(Fault::bad_data, {.where = "drop_height",
+                                  .what = "there is no obstacle below the body",
+                                  .value = fmt::format("{} m", drop_height),
+                                  .remedy = "add [obstacle.ground], or give position instead"});
   const double by = top + drop_height - lowest(mesh).y();
   shape.world_from_file.pretranslate(Vector3d(0, by, 0));
   mesh.positions.col(1).array() += by;
@@ -109,7 +109,7 @@ std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattic
     if (nodes.size() > before) continue;
     const Vector3d low = lattice.rest_positions.colwise().minCoeff(),
                    high = lattice.rest_positions.colwise().maxCoeff();
-    throw Error(ExitCode::bad_data,
+    throw Error(Fault::bad_data,
                 {.where = "fixed",
                  .what = fmt::format("box {} holds no node of the cage", i + 1),
                  .value = fmt::format("[{:g}, {:g}, {:g}] to [{:g}, {:g}, {:g}]", boxes[i].min.x(), boxes[i].min.y(),
@@ -200,10 +200,10 @@ EmbeddedPoints embed_probes(const Scene& scene, const std::vector<BodySetup>& bo
         std::find_if(bodies.begin(), bodies.end(), [&](const BodySetup& b) { return b.name == probe.body; });
     named("probe." + probe.name, [&] {
       if (body == bodies.end())
-        throw Error(ExitCode::bad_data, {.where = "body",
-                                         .what = "there is no such body",
-                                         .value = probe.body,
-                                         .remedy = "name a body of the scene"});
+        throw Error(Fault::bad_data, {.where = "body",
+                                      .what = "there is no such body",
+                                      .value = probe.body,
+                                      .remedy = "name a body of the scene"});
       const EmbeddedPoints one = embed_points(Points(probe.point.transpose()), body->lattice, "probe");
       all.hex[i] = one.hex[0] + int(body->first_hex);
       all.weights.row(i) = one.weights.row(0);

@@ -141,7 +141,7 @@ class Reader {
   Reader(std::string_view bytes, const std::string& where) : rest_(bytes), where_(where) {}
 
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const {
-    throw Error(ExitCode::bad_data, {where_, what, "", remedy});
+    throw Error(Fault::bad_data, {where_, what, "", remedy});
   }
   std::string_view take(std::size_t count) {
     if (count > rest_.size())
@@ -290,14 +290,14 @@ void write_state(const std::filesystem::path& path, const State& state, const Di
 void require_state_of(const Model& model, const Digest& digest, const std::filesystem::path& path, const State& state,
                       const Digest& made_with) {
   if (made_with != digest)
-    throw Error(ExitCode::bad_data, {.where = path.string(),
-                                     .what = "was made by another scene, mesh or solver setting",
-                                     .remedy = "give the run another folder with -o, or replace it with --overwrite"});
+    throw Error(Fault::bad_data, {.where = path.string(),
+                                  .what = "was made by another scene, mesh or solver setting",
+                                  .remedy = "give the run another folder with -o, or replace it with --overwrite"});
   if (state.positions.rows() != model.num_nodes() || state.velocities.rows() != model.num_nodes() ||
       state.limit_multipliers.size() != Eigen::Index(model.limits.size()))
-    throw Error(ExitCode::bad_data, {.where = path.string(),
-                                     .what = "has other sizes than its model",
-                                     .remedy = "simulate again with --overwrite"});
+    throw Error(Fault::bad_data, {.where = path.string(),
+                                  .what = "has other sizes than its model",
+                                  .remedy = "simulate again with --overwrite"});
 }
 
 State read_state(const std::filesystem::path& path, const Model& model, const Digest& digest) {

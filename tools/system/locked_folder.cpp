@@ -26,8 +26,8 @@ int open_lock(const fs::path& path, const FolderKind& kind) {
   const int reason = errno;
   ::close(lock);
   if (reason == EWOULDBLOCK)
-    throw Error(ExitCode::try_again, {path.string(), "is in use by another umax that is still running", "",
-                                      "wait until it ends, or choose another folder with -o"});
+    throw Error(Fault::try_again, {path.string(), "is in use by another umax that is still running", "",
+                                   "wait until it ends, or choose another folder with -o"});
   refuse_folder(path, std::string("cannot be locked (") + std::strerror(reason) + ")",
                 "choose a folder on another file system with -o");
 }
@@ -49,7 +49,7 @@ fs::path absolute_folder(const fs::path& path) {
 }  // namespace
 
 void refuse_folder(const fs::path& path, const std::string& what, const std::string& remedy) {
-  throw Error(ExitCode::cannot_create, {path.string(), what, "", remedy});
+  throw Error(Fault::cannot_create, {path.string(), what, "", remedy});
 }
 
 bool create_folder(const fs::path& path) {

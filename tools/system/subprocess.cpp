@@ -104,7 +104,7 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0)
-    throw Error(ExitCode::unavailable,
+    throw Error(Fault::unavailable,
                 {command.front(), std::string("cannot be started (") + std::strerror(error) + ")", "", "install it"});
   return child;
 }
@@ -137,8 +137,7 @@ ProcessResult run_process(const std::vector<std::string>& command, const InputSo
   Descriptor child_input(::open("/dev/null", O_RDONLY | O_CLOEXEC)), feed;
   if (input) {
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0)
-      throw Error(ExitCode::io_error, {command.front(), "no pipe can be made", "", ""});
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(Fault::io_error, {command.front(), "no pipe can be made", "", ""});
     child_input.reset(ends[0]);
     feed.reset(ends[1]);
   }
@@ -164,7 +163,7 @@ ProcessResult run_process(const std::vector<std::string>& command, const InputSo
 
 RunningProcess::RunningProcess(const std::vector<std::string>& command) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::io_error, {command.front(), "no pipe can be made", "", ""});
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(Fault::io_error, {command.front(), "no pipe can be made", "", ""});
   Descriptor read_end(ends[0]), write_end(ends[1]), messages(::memfd_create("messages", MFD_CLOEXEC));
   const Descriptor nothing(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   child_ = start(command, nothing.get(), write_end.get(), messages.get());

@@ -22,7 +22,7 @@ Scene load_variant(const std::string& scene, const std::vector<Override>& overri
     ErrorText text = error.text();
     for (const Override& setting : variant.settings)
       if (text.where == "--set " + setting.key) text.where = "--vary " + setting.key;
-    throw Error(error.exit_code(), text);
+    throw Error(error.fault(), text);
   }
 }
 
@@ -59,10 +59,10 @@ void require_in_step(const TunePlan& plan) {
     const bool same = one.scene.clip.frames == first.clip.frames && one.scene.clip.fps == first.clip.fps &&
                       one.scene.render.width == first.render.width && one.scene.render.height == first.render.height;
     if (!same)
-      throw Error(ExitCode::usage, {.where = "--vary " + one.variant.settings.front().key,
-                                    .what = "gives variants that cannot be shown in step",
-                                    .remedy = "clip.frames, clip.fps and render.size must be the same for all: give "
-                                              "them with --set"});
+      throw Error(Fault::usage, {.where = "--vary " + one.variant.settings.front().key,
+                                 .what = "gives variants that cannot be shown in step",
+                                 .remedy = "clip.frames, clip.fps and render.size must be the same for all: give "
+                                           "them with --set"});
   }
 }
 

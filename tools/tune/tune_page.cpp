@@ -143,18 +143,18 @@ std::string plotting_library() {
     replace_all(library, "//# sourceMappingURL=", "// ");
     return library;
   }
-  throw Error(ExitCode::unavailable, {.where = start.string(),
-                                      .what = "holds no Chart.js, which draws the plots of the page",
-                                      .remedy = "install it (apt-get install libjs-chart.js), or name its folder in "
-                                                "the environment variable UMAX_JAVASCRIPT"});
+  throw Error(Fault::unavailable, {.where = start.string(),
+                                   .what = "holds no Chart.js, which draws the plots of the page",
+                                   .remedy = "install it (apt-get install libjs-chart.js), or name its folder in "
+                                             "the environment variable UMAX_JAVASCRIPT"});
 }
 
 void require_page_encoder() {
   const ProcessResult encoders = run_process({"ffmpeg", "-hide_banner", "-loglevel", "error", "-encoders"});
   if (encoders.output.find(" libwebp ") == std::string::npos)
-    throw Error(ExitCode::unavailable, {.where = "ffmpeg",
-                                        .what = "has no WebP encoder (libwebp)",
-                                        .remedy = "install Debian's (apt-get install ffmpeg)"});
+    throw Error(Fault::unavailable, {.where = "ffmpeg",
+                                     .what = "has no WebP encoder (libwebp)",
+                                     .remedy = "install Debian's (apt-get install ffmpeg)"});
 }
 
 void fit_page_pictures(int& width, int& height, long long num_pictures) {
@@ -197,7 +197,7 @@ std::vector<std::string> page_frames(const fs::path& run, int num_frames, int wi
                                            next_picture);
   std::vector<std::string> frames = split_webp(result.output);
   if (result.exit_code != 0 || int(frames.size()) != num_frames)
-    throw Error(ExitCode::io_error,
+    throw Error(Fault::io_error,
                 {.where = run.string(),
                  .what = fmt::format("ffmpeg made {} pictures of {} for the page", frames.size(), num_frames),
                  .value = result.messages.substr(0, result.messages.find('\n')),

@@ -15,7 +15,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what, const std::string& value,
                          const std::string& remedy) {
-  throw Error(ExitCode::usage, {.where = where, .what = what, .value = value, .remedy = remedy});
+  throw Error(Fault::usage, {.where = where, .what = what, .value = value, .remedy = remedy});
 }
 
 constexpr const char* example = "write for example --vary body.figure.limit.stretch=5%,10%,20%";
