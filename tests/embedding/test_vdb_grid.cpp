@@ -57,8 +57,7 @@ TEST_CASE("a grid that cannot be meant is refused with what there is") {
 
 TEST_CASE("a damaged OpenVDB file is refused, wherever it ends") {
   const auto path = vdb_file("whole.vdb", {{.number = [](const Vector3d& p) { return 1 + p.squaredNorm(); }}});
-  std::ifstream in(path, std::ios::binary);
-  const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::string whole = file_text(path);
   REQUIRE(whole.size() > 1000);
   for (const double share : {0.0005, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.999}) {
     const auto size = std::size_t(share * double(whole.size()));
