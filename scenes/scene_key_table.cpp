@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "scenes/scene_keys.h"
 
 namespace umax {
@@ -21,13 +23,32 @@ std::string cell(std::string text) {
 constexpr const char* keyframe_note =
     "A type with (k) also takes keyframes: { keys = [[t_s, value], …], interpolation = \"linear\" | \"smooth\" }.";
 
+constexpr const char* page_introduction = R"(# Scene keys
+
+Every key that a scene file may have, with its unit, default and meaning. [scenes.md](scenes.md) shows how scenes are
+written, [limits.md](limits.md) how limits are chosen.
+
+A quantity is a number in SI units or a string with a unit: `"500 kPa"`, `"100 J"`, `"12 cm"`, `"20 %"`. Every key can be
+set from the command line: `--set body.figure.limit.stretch=15%`. A key that does not exist is an error that names the
+nearest one.
+
+*This page is made from the table that the program itself reads scenes by. After a change of that table:
+`UMAX_UPDATE_KEYS=1 build/release/bin/test_scenes "the page of scene keys*"`.*
+
+)";
+
+std::string heading_of(const SceneSection& section) {
+  return section.name.empty() ? header_of(section) : fmt::format("`{}`", header_of(section));
+}
+
 }  // namespace
 
-std::string scene_key_table_markdown() {
-  std::string text = std::string(keyframe_note) + "\n";
+std::string scene_key_page() {
+  std::string text = std::string(page_introduction) + keyframe_note + "\n";
   for (const SceneSection& section : scene_sections()) {
-    const std::string meaning = section.name.empty() ? "" : ": " + section.meaning;
-    text += fmt::format("\n**`{}`**{}\n\n| key | type | default | meaning |\n|---|---|---|---|\n", header_of(section),
+    std::string meaning = section.name.empty() ? "" : section.meaning + ".\n\n";
+    if (!meaning.empty()) meaning[0] = char(std::toupper(static_cast<unsigned char>(meaning[0])));
+    text += fmt::format("\n## {}\n\n{}| key | type | default | meaning |\n|---|---|---|---|\n", heading_of(section),
                         meaning);
     for (const SceneKey& key : section.keys)
       text += fmt::format("| `{}` | {} | {} | {} |\n", key.name, cell(key.type), cell(key.default_value),

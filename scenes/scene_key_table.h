@@ -5,8 +5,8 @@
 
 namespace umax {
 
-/// GitHub-flavoured Markdown, one table a section: for the README.
-std::string scene_key_table_markdown();
+/// The page docs/keys.md in GitHub-flavoured Markdown: one table a section.
+std::string scene_key_page();
 
 /// Plain text for `umax help scene`.
 std::string scene_key_help();

@@ -1,4 +1,4 @@
-// The one table of scene keys. The reader, "did you mean …", the resolved writer, the README's table and
+// The one table of scene keys. The reader, "did you mean …", the resolved writer, the page docs/keys.md and
 // `umax help scene` all come from it: no key is written down twice.
 #pragma once
 

@@ -70,11 +70,11 @@ TEST_CASE("the keys that scripts rely on are there", "[keys]") {
     }
 }
 
-TEST_CASE("the tables for README and help hold every key", "[keys]") {
-  const std::string markdown = scene_key_table_markdown(), help = scene_key_help();
+TEST_CASE("the page of keys and the help hold every key", "[keys]") {
+  const std::string page = scene_key_page(), help = scene_key_help();
   for (const SceneSection& section : scene_sections())
     for (const SceneKey& key : section.keys) {
-      CHECK(contains(markdown, "| `" + key.name + "` | "));
+      CHECK(contains(page, "| `" + key.name + "` | "));
       CHECK(contains(help, key.name));
       CHECK(contains(help, key.meaning));
     }
