@@ -17,7 +17,7 @@ namespace umax {
 struct ContactRow {
   Vector3d normal = Vector3d::UnitY();
   double friction = 0;  // [-]
-  double bias = 0;      // [m/s] what the normal velocity may be short of
+  double bias = 0;      // as w, [m] or [m/s]: what the normal motion may be short of
 };
 
 struct ComplementarityProblem {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/contact/gauss_seidel.h"
 #include "core/model/hex_limits.h"
+#include "core/problem/step_contacts.h"
 
 namespace umax {
 namespace {

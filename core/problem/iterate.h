@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/problem/evaluation.h"
+#include "core/problem/step_contacts.h"
 
 namespace umax {
 

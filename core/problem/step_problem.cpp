@@ -9,7 +9,6 @@ namespace umax {
 namespace {
 
 constexpr Eigen::Index hexes_per_block = 64;
-constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
 
 std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate, const Points& positions) {
   std::vector<Matrix3d> rotations(std::size_t(model.num_hexes()));
@@ -95,43 +94,6 @@ VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Mat
     }
   });
   return ratios;
-}
-
-Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
-  const Model& model = *problem.model;
-  return embedded_position(model, positions, contact.support) -
-         embedded_position(model, problem.positions_t0, contact.support) - contact.obstacle_motion;
-}
-
-double contact_penalty(const StepProblem& problem, const Contact& contact) {
-  const Model& model = *problem.model;
-  const double stiffness =
-      problem.materials.young[support_of(contact).hex] * model.bodies[body_of(model, contact)].cell_size;
-  return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
-}
-
-double deepest(const std::vector<Contact>& contacts) {
-  double depth = 0;
-  for (const Contact& contact : contacts) depth = std::max(depth, -contact.gap);
-  return depth;
-}
-
-void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state) {
-  state.contacts.clear();
-  for (const Contact& contact : contacts)
-    if (contact.force.squaredNorm() > 0)
-      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, time_step * contact.force});
-}
-
-std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
-  const Model& model = *problem.model;
-  std::vector<Contact> contacts;
-  for (const State::ContactImpulse& memory : state.contacts) {
-    contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
-    contacts.back().force = memory.impulse / problem.h;
-  }
-  update_contacts(problem.contact, positions, contacts);
-  return contacts;
 }
 
 }  // namespace umax

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/contact/contact_support.h"
+#include "core/contact/contact.h"
 #include "core/problem/linear_plan.h"
 
 namespace umax {
@@ -47,20 +47,5 @@ void clear_fixed(const Model& model, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<
 /// U/U_max of every limit at the positions, rotations fresh: #L.
 VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Materials& materials,
                       const Points& positions);
-
-/// Motion [m] of a contact point relative to the obstacle during the step that ends at the positions.
-Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact);
-
-/// Penalty [N/m] of an augmented Lagrangian on a contact: much stiffer than the hex that it holds.
-double contact_penalty(const StepProblem& problem, const Contact& contact);
-
-/// Depth [m] of the deepest contact of a working set, 0 where all are open.
-double deepest(const std::vector<Contact>& contacts);
-
-/// The impulses that the next step starts from: force times the time step [s], so that they suit steps of any size.
-void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state);
-
-/// Contacts of the last step that carried an impulse, placed at the given positions.
-std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions);
 
 }  // namespace umax

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/contact/contact.h"
+#include "core/contact/contact_support.h"
 #include "core/linear/direct/sparse_cholesky.h"
 
 namespace umax {

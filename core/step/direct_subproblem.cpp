@@ -1,8 +1,8 @@
 #include "core/step/direct_subproblem.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "core/contact/gauss_seidel.h"
 #include "core/step/delassus.h"
 
 namespace umax {
@@ -14,20 +14,13 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 
-// displacement-level contact problem at the iterate: unknowns are forces [N], w the motion relative to the obstacle [m]
+// contacts against W, whose unknowns are forces [N], and w the motions at the end of the step that they change
 ComplementarityProblem contact_problem(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step,
                                        const MatrixXd& W) {
-  ComplementarityProblem contact;
-  contact.q.resize(W.rows());
-  const VectorXd moved = flatten(iterate.positions - problem.positions_t0);
-  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-    const Contact& c = iterate.contacts[i];
-    const Vector3d relative = contact_motion(*problem.model, c, moved) - c.obstacle_motion;
-    contact.q.segment<3>(3 * Eigen::Index(i)) = relative + contact_motion(*problem.model, c, free_step);
-    contact.contacts.push_back({c.normal, c.friction, c.gap - c.normal.dot(relative)});
-  }
-  contact.W = W;
-  return contact;
+  auto [rows, motions] = contact_rows(problem, iterate.positions, iterate.contacts);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    motions.segment<3>(3 * Eigen::Index(i)) += contact_motion(*problem.model, iterate.contacts[i], free_step);
+  return {.W = W, .q = std::move(motions), .contacts = std::move(rows)};
 }
 
 // dx = -A^-1 grad + A^-1 J^T f; vertices that dx would push in too deep join the working set against the same factor

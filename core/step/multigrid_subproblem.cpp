@@ -66,19 +66,6 @@ VectorXd known_forces(const std::vector<Contact>& contacts) {
   return forces;
 }
 
-// contacts as rows whose w is the motion relative to the obstacle, of which `fixed` is there before the step
-std::vector<ContactRow> contact_rows(const StepProblem& problem, const Iterate& iterate, VectorXd& fixed) {
-  std::vector<ContactRow> rows;
-  fixed.resize(3 * Eigen::Index(iterate.contacts.size()));
-  for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-    const Contact& contact = iterate.contacts[i];
-    const Vector3d motion = relative_motion(problem, iterate.positions, contact);
-    fixed.segment<3>(3 * Eigen::Index(i)) = motion;
-    rows.push_back({contact.normal, contact.friction, contact.gap - contact.normal.dot(motion)});
-  }
-  return rows;
-}
-
 // is no contact deeper after the step than what is allowed [m], or a small share of what is bearable?
 bool is_clear(const StepProblem& problem, const Iterate& iterate, const std::vector<ContactRow>& rows,
               const VectorXd& w, double allowed) {
@@ -100,8 +87,7 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
                     StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
   MultilevelCompliance compliance = make_multilevel_compliance(model, system, iterate.contacts);
-  VectorXd fixed;
-  const std::vector<ContactRow> rows = contact_rows(problem, iterate, fixed);
+  const auto [rows, before] = contact_rows(problem, iterate.positions, iterate.contacts);
   VectorXd motions = contact_motions(model, iterate.contacts, system);
   const double allowed = accuracy.final ? 0
                                         : std::max(left_share * deepest(iterate.contacts),
@@ -109,7 +95,7 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
   bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
   int num_clearings = 0;
   for (int i = 0; i < max_corrections; ++i) {
-    const VectorXd w = fixed + motions;
+    const VectorXd w = before + motions;
     VectorXd forces = solution.forces;
     gauss_seidel(compliance, rows, w - apply(compliance, forces),
                  {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/linear/saddle/saddle_point.h"
-#include "core/problem/step_problem.h"
+#include "core/problem/step_contacts.h"
 
 namespace umax {
 

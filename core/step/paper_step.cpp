@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/contact/gauss_seidel.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/evaluation.h"
+#include "core/problem/step_contacts.h"
 #include "core/problem/step_length.h"
 
 namespace umax {
@@ -157,17 +157,14 @@ ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate&
   const Eigen::Index num_contact_rows = 3 * Eigen::Index(iterate.contacts.size());
   lcp.num_limits = int(limits.size());
   lcp.q = VectorXd::Zero(W.rows());
+  lcp.contacts = contact_rows(problem, iterate.positions, iterate.contacts).rows;
   const Points velocity = unflatten(iterate.velocity);
   const Points measured = (iterate.positions - problem.positions_t0) / problem.h;
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
     const Contact& contact = iterate.contacts[i];
-    const Vector3d obstacle_velocity = contact.obstacle_motion / problem.h;
-    const auto relative = [&](const Points& v) -> Vector3d {
-      return embedded_position(model, v, support_of(contact)) - obstacle_velocity;
-    };
-    lcp.q.segment<3>(3 * Eigen::Index(i)) = relative(velocity);
-    lcp.contacts.push_back(
-        {contact.normal, contact.friction, contact.gap / problem.h - contact.normal.dot(relative(measured))});
+    lcp.q.segment<3>(3 * Eigen::Index(i)) =
+        contact_motion(model, contact, iterate.velocity) - contact.obstacle_motion / problem.h;
+    lcp.contacts[i].bias /= problem.h;
   }
   for (std::size_t i = 0; i < limits.size(); ++i) {
     double& q = lcp.q[num_contact_rows + Eigen::Index(i)];

@@ -1,0 +1,62 @@
+#include "core/problem/step_contacts.h"
+
+#include <algorithm>
+
+namespace umax {
+namespace {
+
+constexpr double relative_contact_penalty = 100;  // of the stiffness and inertia of what touches
+
+}  // namespace
+
+Vector3d relative_motion(const StepProblem& problem, const Points& positions, const Contact& contact) {
+  Vector3d moved = Vector3d::Zero();
+  for_each_node(*problem.model, contact, [&](int node, double weight) {
+    moved += weight * (positions.row(node) - problem.positions_t0.row(node)).transpose();
+  });
+  return moved - contact.obstacle_motion;
+}
+
+ContactRows contact_rows(const StepProblem& problem, const Points& positions, const std::vector<Contact>& contacts) {
+  ContactRows result{{}, VectorXd(3 * Eigen::Index(contacts.size()))};
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact& contact = contacts[i];
+    const Vector3d motion = relative_motion(problem, positions, contact);
+    result.motions.segment<3>(3 * Eigen::Index(i)) = motion;
+    result.rows.push_back({contact.normal, contact.friction, contact.gap - contact.normal.dot(motion)});
+  }
+  return result;
+}
+
+double contact_penalty(const StepProblem& problem, const Contact& contact) {
+  const Model& model = *problem.model;
+  const double stiffness =
+      problem.materials.young[support_of(contact).hex] * model.bodies[body_of(model, contact)].cell_size;
+  return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
+}
+
+double deepest(const std::vector<Contact>& contacts) {
+  double depth = 0;
+  for (const Contact& contact : contacts) depth = std::max(depth, -contact.gap);
+  return depth;
+}
+
+void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state) {
+  state.contacts.clear();
+  for (const Contact& contact : contacts)
+    if (contact.force.squaredNorm() > 0)
+      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, time_step * contact.force});
+}
+
+std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
+  const Model& model = *problem.model;
+  std::vector<Contact> contacts;
+  for (const State::ContactImpulse& memory : state.contacts) {
+    contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
+    contacts.back().force = memory.impulse / problem.h;
+  }
+  update_contacts(problem.contact, positions, contacts);
+  return contacts;
+}
+
+}  // namespace umax
