@@ -6,13 +6,11 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/model/filling.h"
 #include "core/model/hex_limits.h"
 
 namespace umax {
 namespace {
-
-// cells that hold little of the solid keep this share of their mass, so that no node is weightless
-constexpr double least_filled_fraction = 0.05;
 
 // make_hex_shape() that names the hex
 HexShape shape_of(const Body& body, Eigen::Index hex, const Matrix8x3d& nodes) {
@@ -42,16 +40,15 @@ void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
 }
 
 void append_masses(const Body& body, Eigen::Index first_node, Eigen::Index first_hex, Model& model) {
+  const VectorXd fractions = body.material.mass == MassModel::mesh ? weighing_fractions(body.lattice)
+                                                                   : VectorXd::Ones(body.lattice.num_hexes());
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
-    double fraction = 1;
-    if (body.material.mass == MassModel::mesh)
-      fraction = std::max(least_filled_fraction, body.lattice.filled_fraction[e]);
     const HexShape& shape = model.shapes[model.hex_shape[first_hex + e]];
     // the nodes of a box have equal shares
     const Vector8d volumes =
         body.lattice.is_regular() ? Vector8d::Constant(shape.volume / 8).eval() : node_volumes(shape);
     for (int n = 0; n < 8; ++n)
-      model.node_mass[first_node + body.lattice.hexes(e, n)] += body.material.density * volumes[n] * fraction;
+      model.node_mass[first_node + body.lattice.hexes(e, n)] += body.material.density * volumes[n] * fractions[e];
   }
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/element/hexahedron.h"
 #include "core/element/material.h"
+#include "core/model/filling.h"
 #include "embedding/cage/hex_cage.h"
 #include "render/image/image_io.h"
 #include "tools/cli/run_input.h"
@@ -22,8 +23,6 @@
 
 namespace umax {
 namespace {
-
-constexpr double least_filling = 0.05;  // [-] a cell never weighs less than this share (material.mass = "mesh")
 
 struct Extremes {
   double least = 0, largest = 0;
@@ -103,7 +102,7 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   if (!lattice.is_regular()) report.hexes = report_hexes(setup, volumes);
   report.mesh_volume = setup.cage.mesh_volume;
   report.lattice_volume = cell_volume * double(lattice.num_hexes());
-  const VectorXd filling = lattice.filled_fraction.cwiseMax(least_filling);
+  const VectorXd filling = weighing_fractions(lattice);
   report.mesh_mass =
       description.material.density * (lattice.is_regular() ? cell_volume * filling.sum() : filling.dot(volumes));
   report.lattice_mass = description.material.density * report.lattice_volume;
