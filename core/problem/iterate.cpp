@@ -153,7 +153,7 @@ bool is_solution(const StepProblem& problem, const Quality& quality, const Itera
          quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
 }
 
-void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {
+void report_iteration(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {
   if (!problem.options->on_iteration) return;
   problem.options->on_iteration({.iteration = iteration,
                                  .max_energy_ratio = quality.max_ratio,

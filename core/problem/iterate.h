@@ -55,6 +55,6 @@ Quality assess(const StepProblem& problem, const Iterate& iterate);
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate);
 
 /// Reports the iterate to StepOptions::on_iteration.
-void tell(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
+void report_iteration(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
 
 }  // namespace umax

@@ -13,7 +13,7 @@ namespace {
 constexpr double bearable_distortion = 0.2;  // [cells]
 constexpr double watched_share = 0.5;        // of that, from which easing other hexes may bring one beyond it
 constexpr double few = 0.02;                 // of the hexes: where more are distorted that much, the step is to blame
-constexpr int easing_sweeps = 40;
+constexpr int distortion_sweeps = 40;
 constexpr double same_direction = 0.95;   // cosine between steps of one motion
 constexpr double worth_correcting = 0.4;  // [-] of the curvature that the matrix has
 constexpr double largest_correction = 8;  // times the step
@@ -74,7 +74,7 @@ double largest_move(const Model& model, const VectorXd& step) {
   return largest;
 }
 
-double bearable_share(const Model& model, const VectorXd& step) {
+double max_step_fraction(const Model& model, const VectorXd& step) {
   VectorXd largest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);  // squared [cells]
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     double& most = largest[begin / hexes_per_block];
@@ -83,7 +83,7 @@ double bearable_share(const Model& model, const VectorXd& step) {
   return std::min(1.0, bearable_distortion / std::sqrt(largest.maxCoeff()));
 }
 
-void ease(const Model& model, VectorXd& step) {
+void limit_distortion(const Model& model, VectorXd& step) {
   const std::vector<int> hexes = hexes_beyond(model, step, watched_share * bearable_distortion);
   const auto beyond = std::count_if(hexes.begin(), hexes.end(), [&](int hex) {
     return squared_distortion(model, step, hex) > bearable_distortion * bearable_distortion;
@@ -93,7 +93,7 @@ void ease(const Model& model, VectorXd& step) {
   VectorXd distortions(count);
   Points changes = Points::Zero(model.num_nodes(), 3);
   VectorXi changed_by = VectorXi::Zero(model.num_nodes());  // hexes
-  for (int sweep = 0; sweep < easing_sweeps; ++sweep) {
+  for (int sweep = 0; sweep < distortion_sweeps; ++sweep) {
     parallel_blocks(count, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
       for (Eigen::Index i = begin; i < end; ++i) distortions[i] = std::sqrt(squared_distortion(model, step, hexes[i]));
     });
@@ -126,7 +126,7 @@ bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step,
   return before.step.size() > 0 && hardly_falls(residuals, patience) && step.dot(before.step) < 0;
 }
 
-bool wanders(const std::vector<double>& residuals) {
+bool stagnates(const std::vector<double>& residuals) {
   return hardly_falls(residuals, 2 * patience);
 }
 
@@ -135,8 +135,8 @@ double step_factor(const Model& model, const VectorXd& step, double bearable, bo
   if (balanced || bearable < nearly_whole) return bearable;
   if (goes_to_and_fro(residuals, step, before)) return careful_share;
   const double factor = correction(step, before);
-  if (factor == 1 && wanders(residuals) && largest_move(model, step) > large_move) return careful_share;
-  return factor > 1 ? factor * bearable_share(model, factor * step) : std::min(factor, bearable);
+  if (factor == 1 && stagnates(residuals) && largest_move(model, step) > large_move) return careful_share;
+  return factor > 1 ? factor * max_step_fraction(model, factor * step) : std::min(factor, bearable);
 }
 
 }  // namespace umax

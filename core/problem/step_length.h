@@ -12,11 +12,11 @@ double largest_move(const Model& model, const VectorXd& step);
 
 /// Share of a step of 3 #N [m] that moves no node of a hex by more than a fifth of a cell relative to the hex. However
 /// far bodies move as a whole.
-double bearable_share(const Model& model, const VectorXd& step);
+double max_step_fraction(const Model& model, const VectorXd& step);
 
 /// Where a step of 3 #N [m] distorts a few hexes by more than that, moves their nodes towards the hexes' mean motions,
-/// so that they do not hold up all others. Where it does so to many, they are left to bearable_share().
-void ease(const Model& model, VectorXd& step);
+/// so that they do not hold up all others. Where it does so to many, they are left to max_step_fraction().
+void limit_distortion(const Model& model, VectorXd& step);
 
 /// A step of 3 #N [m] and how much of it was taken; empty: there is none to compare the next one with.
 struct TakenStep {
@@ -40,7 +40,7 @@ bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step,
 /// Has an iteration not got on for long? Then whole large steps, each a little too long for what is linear in it, lead
 /// from one buckled shape to another, and half steps into the nearest. Small ones leave a saddle: half of them would
 /// stay there. residuals: of all iterates so far.
-bool wanders(const std::vector<double>& residuals);
+bool stagnates(const std::vector<double>& residuals);
 
 /// How much of a step is taken: the bearable share; where that is nearly all of it and forces are missing at the
 /// iterate (it is not balanced), corrected.

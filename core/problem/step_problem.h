@@ -1,4 +1,4 @@
-// What one time step solves, shared by the step solvers: materials and limits at its end, element states, the residual.
+// What one time step solves: the state that it starts from, materials and limits at its end, obstacles on their way.
 #pragma once
 
 #include <vector>

@@ -86,7 +86,7 @@ Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, in
 
     ++report.sqp_iterations;
     VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
-    step *= bearable_share(*problem.model, step);
+    step *= max_step_fraction(*problem.model, step);
 
     if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
       return {true, i + 1};  // as low as rounding lets it
@@ -139,7 +139,7 @@ Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspa
     update_contacts(problem.contact, iterate.positions, iterate.contacts);
     const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
-    tell(problem, report.sqp_iterations, quality, iterate);
+    report_iteration(problem, report.sqp_iterations, quality, iterate);
     iterate.residuals.push_back(quality.kkt);
     if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
     if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;

@@ -1,4 +1,5 @@
-// The compliance of a growing set of contacts: W = J A^-1 J^T, how each contact's force moves every other one.
+// The compliance of a growing set of contacts: W = J A^-1 J^T, how far each contact's force moves every other one. It
+// is called the Delassus operator (Acary & Brogliato 2008, Numerical Methods for Nonsmooth Dynamical Systems).
 #pragma once
 
 #include <vector>

@@ -24,7 +24,7 @@ struct BackEnd {
                          StepReport&);
   double (*penalty)(double limit, double multiplier);  // [J] on limits
   int patience, patience_near;  // [max_newton_iterations] of the SQP, the second if it came near the solution
-  bool eases;                   // the few hexes that a step distorts too much, instead of holding back all
+  bool limits_distortion;       // the few hexes that a step distorts too much, instead of holding back all
   bool corrects;                // a step's length by the step before (core/problem/step_length.h)
   bool halves_first;            // a failed step, if it may, before the safety net is tried
 };
@@ -34,7 +34,7 @@ constexpr BackEnd direct{.prepare = prepare_direct,
                          .penalty = [](double limit, double) { return relative_penalty * limit; },
                          .patience = 1,
                          .patience_near = 1,
-                         .eases = false,
+                         .limits_distortion = false,
                          .corrects = false,
                          .halves_first = false};
 
@@ -49,7 +49,7 @@ constexpr BackEnd multigrid{
     .penalty = [](double limit, double multiplier) { return multigrid_penalty * (limit + multiplier); },
     .patience = 2,
     .patience_near = 3,
-    .eases = true,
+    .limits_distortion = true,
     .corrects = true,
     .halves_first = true};
 
@@ -97,7 +97,7 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
     const Quality quality = assess(problem, iterate);
     iterate.residuals.push_back(quality.kkt);
-    tell(problem, iteration, quality, iterate);
+    report_iteration(problem, iteration, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     been_near = been_near || quality.kkt <= near_solution * solver.tolerance;
     const int patience = been_near ? back_end.patience_near : back_end.patience;
@@ -107,11 +107,11 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     ++report.sqp_iterations;
     const Linearisation at{sequential_limit_terms(problem, back_end, iterate), {}};  // contacts are solved for apart
     NewtonStep newton = back_end.minimise(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
-    if (back_end.eases) ease(model, newton.step);
+    if (back_end.limits_distortion) limit_distortion(model, newton.step);
 
     // go along it as far as what is linear holds
     iterate.last_move = largest_move(model, newton.step);
-    const double share = bearable_share(model, newton.step);
+    const double share = max_step_fraction(model, newton.step);
     update_multipliers(problem, at, newton.limit_change, share, iterate);
     const bool balanced = is_balanced(quality.kkt, solver.tolerance);
     const double moved = step_factor(model, newton.step, share, balanced, iterate.residuals, last);

@@ -28,8 +28,8 @@
 namespace umax {
 
 /// Fills the report's solver fields; on success the state's positions, velocities, multipliers and contacts are
-/// advanced. status iteration_limit: the state holds the best that was reached, which comes sooner where the step may be
-/// halved then.
+/// advanced. status iteration_limit: the state holds the best that was reached, which comes sooner where the step may
+/// be halved then.
 StepReport exact_step(const StepProblem& problem, bool may_be_halved, Workspace::Data& workspace, State& state);
 
 }  // namespace umax

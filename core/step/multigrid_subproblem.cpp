@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/step/multilevel_compliance.h"
+#include "core/step/bpx_contact_compliance.h"
 
 namespace umax {
 namespace {
@@ -86,7 +86,7 @@ SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& sy
 void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
                     StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
-  MultilevelCompliance compliance = make_multilevel_compliance(model, system, iterate.contacts);
+  BpxContactCompliance compliance = make_bpx_contact_compliance(model, system, iterate.contacts);
   const auto [rows, before] = contact_rows(problem, iterate.positions, iterate.contacts);
   VectorXd motions = contact_motions(model, iterate.contacts, system);
   const double allowed = accuracy.final ? 0

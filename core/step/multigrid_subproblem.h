@@ -3,7 +3,7 @@
 //   dx = K^-1 (J^T f - grad),   w = J dx + ...
 //   gap + n.w >= 0  perp  f_n >= 0,   friction in Coulomb's cone
 //
-// Proximal iterations: the contacts are solved against the multilevel compliance (core/step/multilevel_compliance.h)
+// Proximal iterations: the contacts are solved against the multilevel compliance (core/step/bpx_contact_compliance.h)
 // instead of J K^-1 J^T. The linear system is then solved on with the change of the forces, from which the compliance
 // learns; what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them
 // all.

@@ -76,6 +76,11 @@ StepReport advance(const Model& model, const StepOptions& options, const LinearP
 
 }  // namespace
 
+Workspace::Workspace(const Model& model)
+    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
   const LinearPlan plan = plan_linear_solvers(model, options.solver);

@@ -2,11 +2,6 @@
 
 namespace umax {
 
-Workspace::Workspace(const Model& model)
-    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-
 SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace) {
   if (!workspace.matrix) workspace.matrix = make_system_matrix(model);
   return *workspace.matrix;

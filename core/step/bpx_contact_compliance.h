@@ -1,11 +1,15 @@
-// How contact points give way to each other's forces, nearly: J B J^T with B the multilevel inverse of A,
+// How far each contact point moves under every contact's force, nearly: the compliance J A^-1 J^T of contacts with
+// the inverse B of the BPX preconditioner in place of A^-1 (Bramble, Pasciak & Xu 1990, Parallel multilevel
+// preconditioners, Math. Comp. 55):
 //
-//   B = sum over levels of P D^-1 P^T,   on the last one P A^-1 P^T          Bramble, Pasciak, Xu 1990
+//   B = sum over levels of P D^-1 P^T,   on the last one P A^-1 P^T
+//
 // A contact's force moves eight nodes on each level and no more, so that a Gauss-Seidel sweep over thousands of
 // contacts costs next to nothing, where a Delassus matrix could not even be stored. Up to a factor it is the Delassus
-// matrix; responses that were measured make it exact along their forces, in the manner of BFGS:
+// matrix; responses that were measured make it exact along their forces, in the manner of BFGS (Nocedal & Wright
+// 2006, Numerical Optimization, ch. 6):
 //
-//   W = B - B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did        Nocedal, Wright 2006
+//   W = B - B S (S^T B S)^-1 S^T B + Y (S^T Y)^-1 Y^T,    S: forces, Y: what they did
 #pragma once
 
 #include <array>
@@ -17,7 +21,7 @@
 
 namespace umax {
 
-struct MultilevelCompliance {
+struct BpxContactCompliance {
   struct Share {  // of a contact's point, on one level
     std::array<int, 8> nodes{};
     Vector8d weights = Vector8d::Zero();
@@ -37,17 +41,17 @@ struct MultilevelCompliance {
   MatrixXd middle;                      // so that W = B + factors middle factors^T
 };
 
-MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
+BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
                                                 const std::vector<Contact>& contacts);
 
 /// The motions W f of contact points under forces f (3 per contact).
-VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces);
+VectorXd apply(const BpxContactCompliance& compliance, const VectorXd& forces);
 
 /// Makes W f the response.
-void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance);
+void learn(const VectorXd& forces, const VectorXd& response, BpxContactCompliance& compliance);
 
 /// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.
-int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
                  const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

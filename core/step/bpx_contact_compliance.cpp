@@ -1,4 +1,4 @@
-#include "core/step/multilevel_compliance.h"
+#include "core/step/bpx_contact_compliance.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 constexpr Eigen::Index most_measurements = 8;
 constexpr double least_independence = 0.1;  // [-] of a measured force from the others, in the norm of the response
 
-using Share = MultilevelCompliance::Share;
+using Share = BpxContactCompliance::Share;
 
 // what moves under the forces so far
 struct Motion {
@@ -19,22 +19,22 @@ struct Motion {
   std::vector<VectorXd> last;  // per body
 };
 
-Motion at_rest(const MultilevelCompliance& compliance) {
+Motion at_rest(const BpxContactCompliance& compliance) {
   Motion motion{std::vector<Vector3d>(compliance.inverses.size(), Vector3d::Zero()), {}};
   for (const Eigen::Index rows : compliance.last_rows) motion.last.push_back(VectorXd::Zero(rows));
   return motion;
 }
 
-void push(const MultilevelCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
-  const MultilevelCompliance::Point& point = compliance.points[contact];
+void push(const BpxContactCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
+  const BpxContactCompliance::Point& point = compliance.points[contact];
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n)
       motion.nodes[share.nodes[n]].noalias() += compliance.inverses[share.nodes[n]] * (share.weights[n] * force);
   if (point.last_motion.size() > 0) motion.last[point.body].noalias() += point.last_motion.lazyProduct(force);
 }
 
-Vector3d motion_of(const MultilevelCompliance& compliance, int contact, const Motion& motion) {
-  const MultilevelCompliance::Point& point = compliance.points[contact];
+Vector3d motion_of(const BpxContactCompliance& compliance, int contact, const Motion& motion) {
+  const BpxContactCompliance::Point& point = compliance.points[contact];
   Vector3d sum = Vector3d::Zero();
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n) sum += share.weights[n] * motion.nodes[share.nodes[n]];
@@ -96,7 +96,7 @@ MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& te
 }
 
 void add_body(const Model& model, int body, const BodyGrid& grid, const std::vector<Contact>& contacts,
-              MultilevelCompliance& compliance) {
+              BpxContactCompliance& compliance) {
   const std::vector<MultigridLevel>& levels = grid.multigrid.levels;
   const std::size_t num_single = levels.size() - (grid.multigrid.has_dense ? 1 : 0);
   std::vector<Numbering> numberings(levels.size());
@@ -104,7 +104,7 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (body_of(model, contacts[i]) == body) of_body.push_back(int(i));
   for (const int i : of_body) {
-    MultilevelCompliance::Point& point = compliance.points[i];
+    BpxContactCompliance::Point& point = compliance.points[i];
     point.body = body;
     const Eigen::Index cell = support_of(contacts[i]).hex - model.bodies[body].first_hex;
     Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice().first_cell,
@@ -132,14 +132,14 @@ void add_body(const Model& model, int body, const BodyGrid& grid, const std::vec
   const MatrixXd last = last_inverse(grid.multigrid, grid.terms, numberings.back().slots());
   compliance.last_rows[body] = last.rows();
   for (const int i : of_body) {
-    MultilevelCompliance::Point& point = compliance.points[i];
+    BpxContactCompliance::Point& point = compliance.points[i];
     point.last_motion = MatrixXd::Zero(last.rows(), 3);
     for (int n = 0; n < 8; ++n)
       point.last_motion += point.last.weights[n] * last.middleCols<3>(3 * point.last.nodes[n]);
   }
 }
 
-Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompliance::Point& point) {
+Matrix3d own_block(const BpxContactCompliance& compliance, const BpxContactCompliance::Point& point) {
   Matrix3d sum = Matrix3d::Zero();
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n) sum += share.weights[n] * share.weights[n] * compliance.inverses[share.nodes[n]];
@@ -149,7 +149,7 @@ Matrix3d own_block(const MultilevelCompliance& compliance, const MultilevelCompl
 }
 
 // J B J^T f
-VectorXd apply_unmeasured(const MultilevelCompliance& compliance, const VectorXd& forces) {
+VectorXd apply_unmeasured(const BpxContactCompliance& compliance, const VectorXd& forces) {
   Motion motion = at_rest(compliance);
   const int count = int(compliance.points.size());
   for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
@@ -160,26 +160,26 @@ VectorXd apply_unmeasured(const MultilevelCompliance& compliance, const VectorXd
 
 }  // namespace
 
-MultilevelCompliance make_multilevel_compliance(const Model& model, const MultigridSystem& system,
-                                                const std::vector<Contact>& contacts) {
-  MultilevelCompliance compliance;
+BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
+                                                 const std::vector<Contact>& contacts) {
+  BpxContactCompliance compliance;
   compliance.points.resize(contacts.size());
   compliance.last_rows.assign(system.bodies.size(), 0);
   for (std::size_t body = 0; body < system.bodies.size(); ++body)
     add_body(model, int(body), system.bodies[body], contacts, compliance);
-  for (const MultilevelCompliance::Point& point : compliance.points)
+  for (const BpxContactCompliance::Point& point : compliance.points)
     compliance.blocks.push_back(own_block(compliance, point));
   return compliance;
 }
 
-VectorXd apply(const MultilevelCompliance& compliance, const VectorXd& forces) {
+VectorXd apply(const BpxContactCompliance& compliance, const VectorXd& forces) {
   VectorXd motions = apply_unmeasured(compliance, forces);
   if (compliance.factors.cols() > 0)
     motions += compliance.factors * (compliance.middle * (compliance.factors.transpose() * forces));
   return motions;
 }
 
-void learn(const VectorXd& forces, const VectorXd& response, MultilevelCompliance& compliance) {
+void learn(const VectorXd& forces, const VectorXd& response, BpxContactCompliance& compliance) {
   const VectorXd assumed = apply_unmeasured(compliance, forces);
   const double met = forces.dot(response), expected = forces.dot(assumed);
   if (!(met > 0 && expected > 0)) return;
@@ -216,7 +216,7 @@ void learn(const VectorXd& forces, const VectorXd& response, MultilevelComplianc
   }
 }
 
-int gauss_seidel(const MultilevelCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
                  const GaussSeidelOptions& options, VectorXd& forces) {
   const int count = int(rows.size());
   const MatrixXd &factors = compliance.factors, &middle = compliance.middle;

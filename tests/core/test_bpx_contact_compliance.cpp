@@ -1,5 +1,5 @@
 // How contacts give way to each other on multigrids, against dense algebra.
-#include "core/step/multilevel_compliance.h"
+#include "core/step/bpx_contact_compliance.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -15,7 +15,7 @@ using test::Resting;
 
 TEST_CASE("the multilevel compliance is the Delassus matrix up to a small factor, and symmetric") {
   Resting resting;
-  const MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  const BpxContactCompliance compliance = make_bpx_contact_compliance(resting.model, resting.system, resting.contacts);
   const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
   MatrixXd nearly(size, size), J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -32,14 +32,14 @@ TEST_CASE("the multilevel compliance is the Delassus matrix up to a small factor
 
 namespace {
 
-MatrixXd matrix_of(const MultilevelCompliance& compliance, Eigen::Index size) {
+MatrixXd matrix_of(const BpxContactCompliance& compliance, Eigen::Index size) {
   MatrixXd W(size, size);
   for (Eigen::Index i = 0; i < size; ++i) W.col(i) = apply(compliance, VectorXd::Unit(size, i));
   return W;
 }
 
 // what `count` random forces really do
-void learn_random(Resting& resting, int count, MultilevelCompliance& compliance) {
+void learn_random(Resting& resting, int count, BpxContactCompliance& compliance) {
   const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
   MatrixXd J = MatrixXd::Zero(3 * resting.model.num_nodes(), size);
   for (Eigen::Index i = 0; i < size; ++i)
@@ -58,7 +58,7 @@ void learn_random(Resting& resting, int count, MultilevelCompliance& compliance)
 
 TEST_CASE("a compliance that has learnt responses gives them again, and stays symmetric and positive definite") {
   Resting resting;
-  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  BpxContactCompliance compliance = make_bpx_contact_compliance(resting.model, resting.system, resting.contacts);
   learn_random(resting, 12, compliance);
   CHECK(compliance.forces.cols() == 8);  // the last ones
   const MatrixXd W = matrix_of(compliance, 3 * Eigen::Index(resting.contacts.size()));
@@ -73,7 +73,7 @@ TEST_CASE("a compliance that has learnt responses gives them again, and stays sy
 
 TEST_CASE("sweeps over the multilevel compliance end where those over its matrix do") {
   Resting resting;
-  MultilevelCompliance compliance = make_multilevel_compliance(resting.model, resting.system, resting.contacts);
+  BpxContactCompliance compliance = make_bpx_contact_compliance(resting.model, resting.system, resting.contacts);
   const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
   learn_random(resting, GENERATE(0, 3), compliance);
   ComplementarityProblem problem;
