@@ -36,7 +36,7 @@ inline void check_mesh_sha256(const SceneValue& value, const MeshSource& mesh) {
 /// mesh_of(thing): a pointer to its MeshSource, null while it has another shape. become_mesh(value, thing): makes it a
 /// mesh, or throws where another shape was asked for.
 template <class Builder, class MeshOf, class BecomeMesh>
-void add_mesh_keys(Builder& keys, MeshOf mesh_of, BecomeMesh become_mesh, const KeyTraits& traits) {
+void add_mesh_keys(Builder& keys, const MeshOf& mesh_of, const BecomeMesh& become_mesh, const KeyTraits& traits) {
   const auto set_from = [mesh_of, become_mesh](const SceneValue& value, auto& thing) {
     become_mesh(value, thing);
     mesh_of(thing)->from = TextKind().read(value);

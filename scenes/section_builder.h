@@ -8,7 +8,7 @@
 #include "scenes/value_kinds.h"
 
 // The field of a section's struct that a key stands for, in const and non-const access.
-#define UMAX_FIELD(path) [](auto& thing) -> auto& { return thing.path; }
+#define UMAX_FIELD(path) ([](auto& thing) -> auto& { return thing.path; })
 
 namespace umax {
 
@@ -38,7 +38,7 @@ class SectionBuilder {
   /// optional<string>.
   template <class Set, class Get>
   void add_custom(const std::string& name, const std::string& type, const std::string& meaning, const KeyTraits& traits,
-                  Set set, Get get) {
+                  const Set& set, const Get& get) {
     SceneKey key{.name = name,
                  .type = type,
                  .default_value = traits.unset,
@@ -58,7 +58,7 @@ class SectionBuilder {
 
   /// A key bound to a field: field(thing) gives a T& or, null where the key does not apply, a T*; T may be optional.
   template <class Kind, class FieldOf>
-  void add(const std::string& name, const Kind& kind, FieldOf field, const std::string& meaning,
+  void add(const std::string& name, const Kind& kind, const FieldOf& field, const std::string& meaning,
            const KeyTraits& traits = {}) {
     const auto set = [kind, field, belongs_to = traits.belongs_to](const SceneValue& value, Thing& thing) {
       decltype(auto) target = field(thing);

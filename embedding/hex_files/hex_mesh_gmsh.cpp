@@ -77,7 +77,8 @@ class GmshReader {
   template <class T>
   T raw() {
     T value;
-    std::memcpy(&value, scan_.bytes(sizeof value).data(), sizeof value);
+    const std::string_view bytes = scan_.bytes(sizeof value);
+    std::memcpy(&value, bytes.data(), bytes.size());
     return value;
   }
   // numbers that are text or binary by the file's kind: int of C, size_t of C, double

@@ -118,7 +118,7 @@ TriangleMesh triangles_of(const openvdb::FloatGrid& grid) {
   }
   mesh.triangles.resize(2 * Eigen::Index(quads.size()), 3);
   for (std::size_t i = 0; i < quads.size(); ++i) {
-    const Eigen::Vector4i q(int(quads[i][3]), int(quads[i][2]), int(quads[i][1]), int(quads[i][0]));
+    const Eigen::Vector4i q{int(quads[i][3]), int(quads[i][2]), int(quads[i][1]), int(quads[i][0])};
     const auto length = [&](int a, int b) { return (mesh.positions.row(q[a]) - mesh.positions.row(q[b])).norm(); };
     const int turn = length(0, 2) <= length(1, 3) ? 0 : 1;
     const auto corner = [&](int k) { return q[(k + turn) % 4]; };

@@ -129,7 +129,7 @@ Triangles oriented_consistently(const TriangleMesh& mesh, const std::vector<int>
     double area[2] = {0, 0};
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const int t = patch[i];
-      area[int(side[t])] += triangle_area(mesh.positions, triangles.row(t));
+      area[side[t] == 0 ? 0 : 1] += triangle_area(mesh.positions, triangles.row(t));
       for (int k = 0; k < num_neighbours[t]; ++k) {
         const Neighbour& neighbour = neighbours[t][std::size_t(k)];
         if (side[neighbour.triangle] >= 0) continue;

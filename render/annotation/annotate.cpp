@@ -22,7 +22,7 @@ class Canvas {
     assert(image.channels == 3);
     surface_.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
     cairo_surface_flush(surface_.get());
-    for_pixels([](std::uint32_t& packed, std::uint8_t* codes) {
+    for_pixels([](std::uint32_t& packed, const std::uint8_t* codes) {
       packed = std::uint32_t(codes[0]) << 16 | std::uint32_t(codes[1]) << 8 | codes[2];
     });
     cairo_surface_mark_dirty(surface_.get());
@@ -250,8 +250,8 @@ Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, co
   }
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const int left = gap + int(i) % num_columns * cell_width, top = gap + int(i) / num_columns * cell_height;
-    draw_label(sheet, pictures[i].label, float(left) / float(sheet.width),
-               float(top + first.height + letter / 3) / float(sheet.height),
+    const int label_top = top + first.height + letter / 3;
+    draw_label(sheet, pictures[i].label, float(left) / float(sheet.width), float(label_top) / float(sheet.height),
                {.size = float(letter) / float(sheet.height), .backed = false});
   }
   return sheet;

@@ -33,6 +33,7 @@ namespace {
 
 /// GL's functions as OSMesa hands them out. The global prototypes lend their types only; nothing links against libGL.
 struct Functions {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): NAME is declared
 #define UMAX_GL_DECLARE(NAME) decltype(&gl##NAME) NAME = nullptr;
   UMAX_GL_FUNCTIONS(UMAX_GL_DECLARE)
 #undef UMAX_GL_DECLARE
@@ -181,6 +182,7 @@ void GlRaster::Context::check_framebuffer(const char* what) {
 void GlRaster::Context::upload_geometry(const Frame& frame) {
   const auto attribute = [&](GLuint index, int count, std::size_t stride, std::size_t offset) {
     gl.EnableVertexAttribArray(index);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): GL takes offsets as pointers
     gl.VertexAttribPointer(index, count, GL_FLOAT, GL_FALSE, GLsizei(stride), reinterpret_cast<const void*>(offset));
   };
   const auto upload = [&](GLenum target, GLuint buffer, const auto& values) {
@@ -272,6 +274,7 @@ void GlRaster::Context::draw_surfaces(const Frame& frame) {
       gl.ActiveTexture(GL_TEXTURE0 + unit_base);
       gl.BindTexture(GL_TEXTURE_2D, texture);
     }
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): GL takes offsets as pointers
     const auto first = reinterpret_cast<const void*>(std::size_t(batch.first_index) * sizeof(std::uint32_t));
     gl.DrawElements(GL_TRIANGLES, batch.num_indices, GL_UNSIGNED_INT, first);
   }

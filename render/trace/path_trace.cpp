@@ -26,14 +26,16 @@ class FlushDenormals {
 #if defined(__SSE2__)
   FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }
   ~FlushDenormals() { _mm_setcsr(saved_); }
-
- private:
-  unsigned saved_;
 #else
   FlushDenormals() = default;
 #endif
   FlushDenormals(const FlushDenormals&) = delete;
   FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+#if defined(__SSE2__)
+ private:
+  unsigned saved_;
+#endif
 };
 
 PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options) {

@@ -125,7 +125,7 @@ struct PathWave::Buffers {
   }
 
   Vector3f sky_seen(int i) const {
-    const Vector3f radiance = tracer.sky.radiance(ray[i].direction);
+    Vector3f radiance = tracer.sky.radiance(ray[i].direction);
     if (!tracer.sky.is_aimed()) return radiance;
     return strategy_weight(density[i], tracer.sky.density(ray[i].direction)) * radiance;
   }
