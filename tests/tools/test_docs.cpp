@@ -168,3 +168,29 @@ TEST_CASE("the page on architecture names every room") {
     }
   CHECK(num_rooms > 30);
 }
+
+TEST_CASE("what sources cite of a page is a heading of it") {
+  static const std::regex citation("docs/([a-z_]+\\.md), ([^\n]+)");
+  const std::string old_notes = std::string("THE") + "ORY";  // citations of what is no part of the project
+  int num_citations = 0;
+  for (const char* top : {"core", "embedding", "render", "scenes", "tools", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const fs::path extension = entry.path().extension();
+      if ((extension != ".h" && extension != ".cpp") || entry.path().filename() == "test_docs.cpp") continue;
+      const std::string text = file_text(entry.path());
+      CAPTURE(entry.path());
+      CHECK(text.find(old_notes) == std::string::npos);
+      for (std::sregex_iterator match(text.begin(), text.end(), citation), end; match != end; ++match) {
+        const fs::path page = root / "docs" / (*match)[1].str();
+        const std::string words = (*match)[2];  // a heading, and what follows it
+        CAPTURE(page, words);
+        const std::vector<std::string> headings = headings_of(page);
+        CHECK(std::any_of(headings.begin(), headings.end(), [&](const std::string& heading) {
+          return words.starts_with(heading) &&
+                 (words.size() == heading.size() || !std::isalnum(static_cast<unsigned char>(words[heading.size()])));
+        }));
+        ++num_citations;
+      }
+    }
+  CHECK(num_citations >= 3);
+}
