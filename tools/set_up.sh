@@ -1,5 +1,5 @@
-# Sourced by tools/demo, tools/test and tools/bench: installs the packages that are missing, configures and builds the
-# Release. more_packages names further lists of packages.
+# Sourced by tools/demo, tools/test and tools/bench: installs the packages that are missing, configures the Release and
+# builds the targets that the array `targets` names. more_packages names further lists of packages.
 # Defines: root (the source folder), build (build/release), jobs. Works from any current directory.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -18,15 +18,15 @@ count_jobs() {
   echo $((cores < by_memory ? cores : by_memory))
 }
 
-build_release() {
+build_targets() {
   say "configuring $build"
-  (cd "$root" && cmake --preset release -DUMAX_MODELS="${UMAX_MODELS:-}" >"$build.log" 2>&1) ||
+  (cd "$root" && cmake --preset release >"$build.log" 2>&1) ||
     { cat "$build.log" >&2; die "cmake failed" 70; }
-  say "building with $jobs jobs"
-  cmake --build "$build" --parallel "$jobs" || die "the build failed" 70
+  say "building ${targets[*]} with $jobs jobs"
+  cmake --build "$build" --parallel "$jobs" --target "${targets[@]}" || die "the build failed" 70
 }
 
 mkdir -p "$root/build"
 install_packages packages ${more_packages:-}
 jobs=$(count_jobs)
-build_release
+build_targets

@@ -6,6 +6,7 @@
 #include "embedding/surface/placement.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
+#include "tests/support/model_file.h"
 
 using namespace umax;
 using namespace umax::testing;
@@ -178,7 +179,7 @@ TEST_CASE("cages that cannot be are refused before memory is taken") {
 }
 
 TEST_CASE("the armadillo at 2 m and 365 cells gives 355 to 375 in one piece", "[models]") {
-  TriangleMesh mesh = load_mesh(std::filesystem::path(UMAX_MODELS) / "armadillo.obj").mesh;
+  TriangleMesh mesh = load_mesh(test::model_file("armadillo.obj")).mesh;
   place(mesh, {.height = 2.0});
   CageReport report;
   const Lattice lattice = voxelize(mesh, {.size = 365}, &report);

@@ -1,19 +1,18 @@
-// The paper's armadillo for tests tagged [models]: 365 hexes, 43,243 vertices, from the folder UMAX_MODELS.
+// The paper's armadillo for tests tagged [models]: 365 hexes, 43,243 vertices.
 #pragma once
-
-#include <filesystem>
 
 #include "core/model/model.h"
 #include "embedding/cage/voxelize.h"
 #include "embedding/embedding.h"
 #include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/placement.h"
+#include "tests/support/model_file.h"
 
 namespace umax::test {
 
 /// 2 m tall, its lowest vertex at the given height [m].
 inline Body make_armadillo(double height_above_ground) {
-  TriangleMesh mesh = load_mesh(std::filesystem::path(UMAX_MODELS) / "armadillo.obj").mesh;
+  TriangleMesh mesh = load_mesh(model_file("armadillo.obj")).mesh;
   place(mesh, {.height = 2.0});
   mesh.positions.col(1).array() += height_above_ground - mesh.positions.col(1).minCoeff();
   Body body;
