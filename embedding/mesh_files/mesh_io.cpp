@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -31,6 +32,41 @@ void require_triangles(const std::filesystem::path& path, const TriangleMesh& me
       refuse_mesh(path, fmt::format("triangle {} names a vertex that does not exist", t),
                   fmt::format("{} of {} vertices", mesh.triangles.row(t).maxCoeff(), mesh.num_vertices()),
                   "the file is damaged: export it again");
+}
+
+/// A triangle that names a vertex twice encloses nothing and would spoil its neighbours' edges.
+void leave_out_collapsed_triangles(MeshFile& file) {
+  TriangleMesh& mesh = file.mesh;
+  const bool has_texture = mesh.texture_coordinates.rows() > 0;
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t) {
+    const Eigen::RowVector3i triangle = mesh.triangles.row(t);
+    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+    mesh.triangles.row(kept) = triangle;
+    if (has_texture && kept != t)
+      mesh.texture_coordinates.middleRows<3>(3 * kept) = mesh.texture_coordinates.middleRows<3>(3 * t).eval();
+    ++kept;
+  }
+  const Eigen::Index left_out = mesh.num_triangles() - kept;
+  if (left_out == 0) return;
+  mesh.triangles.conservativeResize(kept, 3);
+  if (has_texture) mesh.texture_coordinates.conservativeResize(3 * kept, 2);
+  file.notes.push_back(left_out == 1 ? "1 triangle names a vertex twice: left out"
+                                     : fmt::format("{} triangles name a vertex twice: left out", left_out));
+}
+
+void require_area(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  constexpr double rounding = 1e-12;  // of the extent squared
+  const double extent = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
+  double area = 0;
+  for (const auto& triangle : mesh.triangles.rowwise()) {
+    const Vector3d a = mesh.positions.row(triangle[0]), b = mesh.positions.row(triangle[1]),
+                   c = mesh.positions.row(triangle[2]);
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  if (!(area > rounding * extent * extent))
+    refuse_mesh(path, "no triangle of the mesh has an area", fmt::format("{} triangles", mesh.num_triangles()),
+                "export the surface of a solid shape");
 }
 
 MeshFile surface_of_hexes(const std::filesystem::path& path) {
@@ -64,6 +100,8 @@ MeshFile load_mesh(const std::filesystem::path& path) {
                 "it is truncated or damaged: export it again");
   require_finite(path, file.mesh.positions);
   require_sensible_box(path, file.mesh.positions);
+  leave_out_collapsed_triangles(file);
+  require_area(path, file.mesh);
   return file;
 }
 

@@ -22,9 +22,10 @@ struct MeshFile {
 };
 
 /// Reads a mesh. Vertex order and number are the file's own for OBJ, PLY and OFF (and glTF but for unused ones); STL
-/// has three vertices a facet; FBX and COLLADA have one vertex per distinct position of a part. No normals. Throws
-/// Error: not_found (missing, a folder, not readable), bad_data (empty, truncated, without triangles, coordinates that
-/// are not finite or beyond 1e9, no extent, unknown format, indices out of range).
+/// has three vertices a facet; FBX and COLLADA have one vertex per distinct position of a part. No normals. A triangle
+/// that names a vertex twice is left out, with a note. Throws Error: not_found (missing, a folder, not readable),
+/// bad_data (empty, truncated, without triangles or area, coordinates that are not finite or beyond 1e9, no extent,
+/// unknown format, indices out of range).
 MeshFile load_mesh(const std::filesystem::path& path);
 
 /// The file endings that load_mesh() knows, as a list for messages: "obj, ply, …".

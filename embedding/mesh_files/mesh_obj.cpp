@@ -52,6 +52,22 @@ void check_coordinate(const Path& path, long long line_number, std::string_view 
     refuse_line(path, line_number, fmt::format("vertex {} has a coordinate that is no number", vertex), line);
 }
 
+/// A corner: "7", "7/2", "7//3" or "7/2/3", numbers that an int holds.
+void check_corner(const Path& path, long long line_number, std::string_view line, std::string_view corner) {
+  while (!corner.empty()) {
+    const std::size_t length = std::min(corner.find('/'), corner.size());
+    std::string_view index = corner.substr(0, length);
+    corner.remove_prefix(std::min(length + 1, corner.size()));
+    if (index.starts_with('+')) index.remove_prefix(1);
+    int value = 0;
+    const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), value);
+    if (error == std::errc::result_out_of_range)
+      refuse_line(path, line_number, "a face names a vertex beyond all that can be counted", line);
+    if (!index.empty() && (error != std::errc() || end != index.data() + index.size()))
+      refuse_line(path, line_number, "a face has a corner that is no number", line);
+  }
+}
+
 // The reader takes what it cannot read for 0 and leaves out faces it does not understand; so the lines that matter are
 // looked at first. Counts vertices that are not finite.
 void check_lines(const Path& path, std::string_view text) {
@@ -70,6 +86,8 @@ void check_lines(const Path& path, std::string_view text) {
     if (line[start] == 'f') {
       if (parts.size() < 4 && !line.ends_with('\\'))
         refuse_line(path, line_number, "a face needs at least three corners", line);
+      for (std::size_t corner = 1; corner < parts.size(); ++corner)
+        if (parts[corner] != "\\") check_corner(path, line_number, line, parts[corner]);
       continue;
     }
     if (parts.size() < 4)

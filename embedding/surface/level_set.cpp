@@ -1,5 +1,6 @@
 #include "embedding/surface/level_set.h"
 
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Interpolation.h>
@@ -139,6 +140,9 @@ struct LevelSet::Data {
 LevelSet::LevelSet(const Points& positions, const Triangles& triangles, const Vector3d& origin,
                    const LevelSetOptions& options)
     : data_(std::make_unique<Data>()) {
+  if (!(options.voxel >= LevelSetOptions::smallest_voxel))
+    throw Error(ExitCode::bad_data, {"level set", "is too fine", fmt::format("voxels of {:g} m", options.voxel),
+                                     "ask for fewer samples, or give a larger mesh"});
   openvdb::initialize();
   data_->origin = origin;
   data_->voxel = options.voxel;

@@ -10,6 +10,8 @@
 namespace umax {
 
 struct LevelSetOptions {
+  static constexpr double smallest_voxel = 2e-5;  // [m] OpenVDB takes smaller ones for none
+
   double voxel = 0.01;     // [m] edge of a voxel
   double band_voxels = 3;  // [voxels] distances (to 1 % of a voxel) reach this far on both sides; then they are cut off
   bool is_signed = true;   // false: distances without sign
@@ -18,7 +20,8 @@ struct LevelSetOptions {
 /// Points may be asked from any number of threads.
 class LevelSet {
  public:
-  /// positions: #P x 3 [m]; triangles: #T x 3. Voxel corners lie at origin + voxel * integers.
+  /// positions: #P x 3 [m]; triangles: #T x 3. Voxel corners lie at origin + voxel * integers. Throws Error (bad_data)
+  /// for voxels below smallest_voxel.
   LevelSet(const Points& positions, const Triangles& triangles, const Vector3d& origin, const LevelSetOptions& options);
   ~LevelSet();
   LevelSet(LevelSet&&) noexcept;

@@ -94,12 +94,13 @@ Solid make_solid(const TriangleMesh& mesh, ClosedSurface surface, double voxel) 
 
   constexpr double max_band_voxels = 3e7;
   const double affordable_voxel = std::sqrt(band_voxels(solid.area, 1) / max_band_voxels);
-  if (affordable_voxel > 2 * voxel) {
+  const bool affordable = affordable_voxel <= 2 * voxel;
+  voxel = std::max(voxel, affordable_voxel);
+  if (!affordable || voxel < LevelSetOptions::smallest_voxel) {
     solid.notes.push_back(
         "the cells are too fine for a level set of the whole surface: the inside was found by winding numbers");
     return solid;
   }
-  voxel = std::max(voxel, affordable_voxel);
   const Vector3d low = mesh.positions.colwise().minCoeff();
   LevelSet level_set(mesh.positions, mesh.triangles, low, {.voxel = voxel});
   solid.level_set_volume = level_set.volume();

@@ -163,6 +163,28 @@ TEST_CASE("FBX: file units and axes, node transforms, corners joined") {
   CHECK(file.mesh.positions.col(1).maxCoeff() == 1);
 }
 
+TEST_CASE("a triangle that names a vertex twice is left out, with its texture coordinates and a note") {
+  const std::string two = obj_document;
+  const MeshFile whole = load_mesh(write_file("whole.obj", two));
+  CHECK(whole.notes.empty());
+  const auto check = [&](const MeshFile& file, const std::string& note) {
+    REQUIRE(file.notes.size() == 1);
+    CHECK(file.notes[0] == note);
+    CHECK(file.mesh.triangles == whole.mesh.triangles);
+    CHECK(file.mesh.texture_coordinates == whole.mesh.texture_coordinates);
+    CHECK(file.mesh.num_vertices() == 5);
+  };
+  check(load_mesh(write_file("one.obj", replaced(two, "f 2/1", "f 1/1 1/2 2/3\nf 2/1"))),
+        "1 triangle names a vertex twice: left out");
+  check(load_mesh(
+            write_file("several.obj", replaced(two, "o second", "f 3/1 1/2 3/3\nf 4/1 4/2 4/3") + "f 2/1 3/2 3/3\n")),
+        "3 triangles name a vertex twice: left out");
+  // of a quad with a doubled corner one triangle stays
+  const MeshFile quad = load_mesh(write_file("quad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2 3\n"));
+  CHECK(quad.mesh.num_triangles() == 1);
+  CHECK(quad.notes.size() == 1);
+}
+
 TEST_CASE("files that are not there or no files are not found") {
   refuses(66, "no/such/mesh.obj", "does not exist");
   refuses(66, write_file("x.obj", "").parent_path(), "folder");
@@ -186,6 +208,14 @@ TEST_CASE("files that cannot be used say what is wrong") {
   refuses(65, write_file("cut.obj", obj.substr(0, obj.find("v 1 0 0") + 4)), "");
   refuses(65, write_file("cut2.obj", obj.substr(0, obj.rfind(" 3/3"))), "three corners");
   refuses(65, write_file("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n"), "one point");
+  refuses(65, write_file("collapsed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n"),
+          "no triangle of the mesh has an area");
+  refuses(65, write_file("line.obj", "v 0 0 0\nv 1 0.3 0.7\nv 2 0.6 1.4\nf 1 2 3\n"), "has an area");
+  const std::string beyond = "a face names a vertex beyond all that can be counted";
+  for (const char* index :
+       {"18446744073709551619", "4294967299", "-4294967299", "2/18446744073709551617", "2//4294967297"})
+    refuses(65, write_file("beyond.obj", replaced(obj, "f 2/1", "f " + std::string(index))), "obj:15: " + beyond);
+  refuses(65, write_file("letters.obj", replaced(obj, "f 2/1", "f 2x/1")), "a corner that is no number");
   refuses(65, write_file("binary.obj", std::string("\0\1\2\3\xff\xfe rubbish \n", 16)), "no vertices");
 
   refuses(65, write_file("nan.ply", replaced(ply, "1 1 0 0", "nan 1 0 0")), "not finite");
