@@ -1,8 +1,7 @@
 #include "embedding/maps/vdb_grid.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/DelayedLoadMetadata.h>
 #include <openvdb/openvdb.h>
 
 #include <array>
@@ -16,6 +15,7 @@
 #include <variant>
 
 #include "core/base/error.h"
+#include "embedding/maps/vdb_promises.h"
 #include "embedding/scanning/file_checks.h"
 
 namespace umax {
@@ -41,27 +41,6 @@ auto reading(const Path& path, Work work) {
     refuse(path, "is no sound OpenVDB file", error.what(), "it is truncated or damaged: write it again");
   }
 }
-
-/// Where the file's table says that its grids end, against its size: the reader takes a last grid that is cut off.
-class TableOfGrids : private openvdb::io::Archive {
- public:
-  bool fits(const Path& path) {
-    std::ifstream in(path, std::ios::binary);
-    readHeader(in);
-    if (!inputHasGridOffsets()) return true;
-    setFormatVersion(in);
-    openvdb::MetaMap().readMeta(in);
-    const auto size = std::int64_t(std::filesystem::file_size(path));
-    bool all_fit = true;
-    for (std::int32_t left = readGridCount(in); left > 0 && all_fit; --left) {
-      openvdb::io::GridDescriptor grid;
-      grid.read(in);
-      all_fit = in.good() && grid.getEndPos() > 0 && grid.getEndPos() <= size;
-      if (all_fit) grid.seekToEnd(in);
-    }
-    return all_fit;
-  }
-};
 
 struct Named {
   std::string name, type;
@@ -192,8 +171,9 @@ struct VdbGrid::Data {
 VdbGrid::VdbGrid(const Path& path, const std::string& name, Kind kind) : data_(std::make_unique<Data>()) {
   require_readable_file(path, "map file");
   openvdb::initialize();
+  openvdb::io::DelayedLoadMetadata::unregisterType();  // has counts that nobody checks, and is not used
   const openvdb::GridBase::Ptr base = reading(path, [&] {
-    if (!TableOfGrids().fits(path)) throw std::runtime_error("a grid ends beyond the file's end");
+    check_vdb_promises(path);
     openvdb::io::File file(path.string());
     file.open(/*delayLoad=*/false);
     data_->name = choose(path, list_grids(file), name, kind == Kind::number ? "float" : "vec3s");

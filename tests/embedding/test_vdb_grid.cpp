@@ -1,8 +1,11 @@
 // Which OpenVDB files are read, and what is said of the others.
 #include "embedding/maps/vdb_grid.h"
 
+#include <chrono>
 #include <limits>
+#include <random>
 
+#include "core/base/error.h"
 #include "tests/embedding/meshes.h"
 #include "tests/embedding/vdb_file.h"
 #include "tests/support/catch.h"
@@ -12,12 +15,49 @@ using namespace umax;
 using namespace umax::testing;
 using umax::test::contains;
 using umax::test::Failure;
+using umax::test::VdbCompression;
 using umax::test::VdbContent;
 
 namespace {
 
 Failure refusal_of_grid(const std::filesystem::path& path, const std::string& name = "") {
   return test::failure_of([&] { VdbGrid(path, name, VdbGrid::Kind::number); });
+}
+
+/// Reads a damaged file: it is taken or refused as damaged, soon. Returns whether it was refused.
+bool is_refused(const std::string& bytes, VdbGrid::Kind kind) {
+  const auto path = write_file("damaged.vdb", bytes);
+  const auto start = std::chrono::steady_clock::now();
+  bool refused = false;
+  try {
+    VdbGrid(path, "", kind);
+  } catch (const Error& error) {
+    refused = true;
+    CHECK(int(error.exit_code()) == 65);
+  }
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+  return refused;
+}
+
+struct Seed {
+  std::string bytes;
+  VdbGrid::Kind kind = VdbGrid::Kind::number;
+};
+
+/// Small files of every way to store values.
+std::vector<Seed> seeds() {
+  const auto number = [](const Vector3d& p) { return 1 + p.squaredNorm(); };
+  const auto direction = [](const Vector3d& p) { return Vector3d(1, p.x(), p.y()); };
+  std::vector<Seed> seeds;
+  for (const auto compression : {VdbCompression::none, VdbCompression::zip, VdbCompression::blosc})
+    for (const bool as_halves : {false, true}) {
+      const VdbContent numbers{.number = number, .first = {-3, -3, -3}, .last = {9, 3, 3}, .as_halves = as_halves};
+      const VdbContent vectors{
+          .direction = direction, .first = {-3, -3, -3}, .last = {9, 3, 3}, .as_halves = as_halves};
+      seeds.push_back({file_text(vdb_file("seed.vdb", {numbers}, compression)), VdbGrid::Kind::number});
+      seeds.push_back({file_text(vdb_file("seed.vdb", {vectors}, compression)), VdbGrid::Kind::direction});
+    }
+  return seeds;
 }
 
 }  // namespace
@@ -67,4 +107,35 @@ TEST_CASE("a damaged OpenVDB file is refused, wherever it ends") {
   }
   CHECK(refusal_of_grid(write_file("garbage.vdb", std::string(5000, 'x'))).code == 65);
   CHECK(refusal_of_grid("no/such.vdb").code == 66);
+}
+
+TEST_CASE("OpenVDB files of every compression are read, and what they promise is found true") {
+  for (const Seed& seed : seeds()) CHECK_FALSE(is_refused(seed.bytes, seed.kind));
+}
+
+TEST_CASE("a huge count anywhere in an OpenVDB file is refused at once or does no harm") {
+  for (const Seed& seed : seeds()) {
+    const std::size_t front = 680;  // as far as the root of the tree
+    REQUIRE(seed.bytes.size() > 10 * front);
+    int num_refused = 0;
+    for (std::size_t at = 0; at < front; ++at) {
+      std::string damaged = seed.bytes;
+      for (int k = 0; k < 4; ++k) damaged[at + std::size_t(k)] = char(k == 3 ? 0x7f : 0xff);
+      CAPTURE(at);
+      num_refused += is_refused(damaged, seed.kind);
+    }
+    CHECK(num_refused > 200);
+  }
+}
+
+TEST_CASE("OpenVDB files with flipped bits neither crash nor hang") {
+  std::mt19937 random(27);
+  for (const Seed& seed : seeds())
+    for (int trial = 0; trial < 300; ++trial) {
+      std::string damaged = seed.bytes;
+      const std::size_t at = random() % damaged.size();
+      damaged[at] = char(damaged[at] ^ 1 << random() % 8);
+      CAPTURE(trial, at);
+      is_refused(damaged, seed.kind);
+    }
 }

@@ -6,9 +6,10 @@
 
 namespace umax::testing {
 
-inline std::filesystem::path vdb_file(const std::string& name, const std::vector<test::VdbContent>& grids) {
+inline std::filesystem::path vdb_file(const std::string& name, const std::vector<test::VdbContent>& grids,
+                                      test::VdbCompression compression = test::VdbCompression::blosc) {
   const auto path = output_folder() / name;
-  test::write_vdb(path, grids);
+  test::write_vdb(path, grids, compression);
   return path;
 }
 

@@ -18,10 +18,14 @@ struct VdbContent {
   double voxel = 0.05;
   Vector3i first{-10, -10, -10}, last{10, 10, 10};  // active voxels, both included; first > last: none
   bool is_level_set = false;
-  bool is_integer = false;  // int32, which nobody reads
+  bool is_integer = false;  // int32, which nobody reads: without voxels
+  bool as_halves = false;   // numbers of 16 bits
 };
 
+enum class VdbCompression { none, zip, blosc };
+
 /// Inactive voxels have the value -777: whoever looks at them will notice.
-void write_vdb(const std::filesystem::path& path, const std::vector<VdbContent>& grids);
+void write_vdb(const std::filesystem::path& path, const std::vector<VdbContent>& grids,
+               VdbCompression compression = VdbCompression::blosc);
 
 }  // namespace umax::test
