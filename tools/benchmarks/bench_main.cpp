@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tools/benchmarks/bench.h"
+#include "tools/benchmarks/measured_command.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/threads.h"
 
@@ -61,6 +62,7 @@ int run(const Benchmark& benchmark) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 2 && std::string(argv[1]) == "--measure") return measure_and_print(argv + 2);
   std::string only;
   bool full = false;
   for (int i = 1; i < argc; ++i) {
