@@ -95,7 +95,10 @@ openvdb::FloatGrid::Ptr sample_grid(const DistanceFunction& distance, const Vect
                                     double cell_size) {
   openvdb::initialize();
   const double band = 3 * cell_size;
-  const auto grid = openvdb::FloatGrid::create(float(band));
+  // made in libopenvdb: a grid made here would have our compiler make all that a tree can do
+  const auto grid =
+      openvdb::gridPtrCast<openvdb::FloatGrid>(openvdb::GridBase::createGrid(openvdb::FloatGrid::gridType()));
+  grid->tree().root().setBackground(float(band), /*updateChildNodes=*/false);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_size));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
