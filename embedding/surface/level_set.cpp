@@ -144,7 +144,7 @@ LevelSet::LevelSet(const Points& positions, const Triangles& triangles, const Ve
                    const LevelSetOptions& options)
     : data_(std::make_unique<Data>()) {
   if (!(options.voxel >= LevelSetOptions::smallest_voxel))
-    throw Error(ExitCode::bad_data, {"level set", "is too fine", fmt::format("voxels of {:g} m", options.voxel),
+    throw Error(Fault::bad_data, {"level set", "is too fine", fmt::format("voxels of {:g} m", options.voxel),
                                      "ask for fewer samples, or give a larger mesh"});
   openvdb::initialize();
   data_->origin = origin;

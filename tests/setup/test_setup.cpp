@@ -111,7 +111,7 @@ TEST_CASE("faults of a scene are exceptions that name the thing, not messages an
     set_up(load_scene("beam", {{"body.beam.fixed", "[{min = [5, 5, 5], max = [6, 6, 6]}]"}}));
     FAIL("nothing was thrown");
   } catch (const Error& error) {
-    CHECK(error.exit_code() == ExitCode::bad_data);
+    CHECK(error.fault() == Fault::bad_data);
     CHECK(std::string(error.what()).find("body.beam") != std::string::npos);
   }
 }

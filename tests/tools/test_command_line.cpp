@@ -1,6 +1,12 @@
+#include <set>
+#include <sstream>
+
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
-#include "tools/run/options.h"
+#include "tools/cli/command_line.h"
+#include "tools/cli/help_text.h"
+#include "tools/cli/option_table.h"
+#include "tools/cli/verb.h"
 #include "tools/system/exit_code.h"
 
 using namespace umax;
@@ -39,9 +45,9 @@ TEST_CASE("options may stand anywhere") {
 }
 
 TEST_CASE("resume and overwrite say what becomes of an existing folder") {
-  CHECK(parse({"run", "beam"}).existing_folder() == ExistingFolder::refuse);
-  CHECK(parse({"run", "beam", "--resume"}).existing_folder() == ExistingFolder::keep);
-  CHECK(parse({"run", "beam", "--overwrite"}).existing_folder() == ExistingFolder::overwrite);
+  CHECK(existing_folder(parse({"run", "beam"})) == ExistingFolder::refuse);
+  CHECK(existing_folder(parse({"run", "beam", "--resume"})) == ExistingFolder::keep);
+  CHECK(existing_folder(parse({"run", "beam", "--overwrite"})) == ExistingFolder::overwrite);
   CHECK(contains(message_of({"run", "beam", "--overwrite", "--resume"}), "exclude"));
 }
 
@@ -52,10 +58,14 @@ TEST_CASE("an unknown verb or option names the nearest") {
 }
 
 TEST_CASE("verbs that are not built say so and are absent from the help") {
-  const std::string verb = "export";
-  CHECK(contains(message_of({verb.c_str()}), "not in this version"));
-  CHECK(!contains(help_text(""), "umax " + verb));
-  CHECK(!contains(help_text(""), "\n  " + verb + " "));
+  for (const std::string verb : {"export", "live", "aim", "encode", "farm", "doctor"}) {
+    CAPTURE(verb);
+    CHECK(contains(message_of({verb.c_str()}), "not in this version"));
+    CHECK(contains(message_of({verb.c_str(), "falling", "--threads", "2"}), "not in this version"));
+    CHECK(error_code_of([&] { help_text(verb); }) == 2);
+    CHECK(!contains(help_text(), "umax " + verb));
+    CHECK(!contains(help_text(), "\n  " + verb + " "));
+  }
 }
 
 TEST_CASE("an option of another verb is wrong usage") {
@@ -75,10 +85,15 @@ TEST_CASE("values that cannot be are wrong usage") {
 }
 
 TEST_CASE("every verb has its help, and every option of it stands there") {
-  for (const VerbHelp& verb : verbs()) {
+  for (const Verb& verb : verbs()) {
     CAPTURE(verb.name);
-    CHECK(contains(help_text(""), std::string("\n  ") + verb.name));
-    CHECK(contains(help_text(verb.name), std::string("usage: umax ") + verb.name));
+    CHECK(contains(help_text(), std::string("\n  ") + verb.name + " "));
+    CHECK(contains(help_text(), verb.summary));
+    const std::string text = help_text(verb.name);
+    CHECK(contains(text, "usage: umax " + verb.name));
+    for (const std::string& example : verb.examples) CHECK(contains(text, "\n  " + example + "\n"));
+    for (const OptionDefinition& option : option_table())
+      CHECK(contains(text, "\n  " + usage(option)) == takes_option(verb, option.name));
   }
   for (const char* option : {"-o,--output DIR", "--set KEY=VALUE", "--frames LIST", "--threads N", "--resume",
                              "--overwrite", "--strict", "--quiet", "--verbose", "--quick", "--progress", "--engine",
@@ -86,4 +101,55 @@ TEST_CASE("every verb has its help, and every option of it stands there") {
     CHECK(contains(help_text("run"), option));
   CHECK(parse({"-h"}).help);
   CHECK(parse({"run", "-h"}).verb == "run");
+}
+
+TEST_CASE("help breaks its lines at 100 columns, but for commands to copy") {
+  for (const Verb& verb : verbs()) {
+    std::istringstream lines(help_text(verb.name));
+    for (std::string line; std::getline(lines, line);) {
+      CAPTURE(line);
+      CHECK((line.size() <= 100 || line.starts_with("  umax ")));
+      CHECK(!line.ends_with(' '));
+    }
+  }
+}
+
+TEST_CASE("the verbs take options of the table, and every option is some verb's") {
+  std::set<std::string> defined, taken{"--help", "--version"};
+  for (const OptionDefinition& option : option_table()) {
+    CAPTURE(option.name);
+    CHECK(defined.insert(option.name).second);
+    CHECK((option.value.empty() == std::holds_alternative<bool Options::*>(option.target)));
+  }
+  for (const Verb& verb : verbs())
+    for (const std::string& name : verb.options) {
+      CAPTURE(verb.name, name);
+      CHECK(defined.count(name) == 1);
+      taken.insert(name);
+    }
+  CHECK(taken == defined);
+}
+
+TEST_CASE("the command line becomes what runs take") {
+  const Options options =
+      parse({"simulate", "beam", "--frames", "1-4", "--memory", "2G", "--strict", "--progress", "json"});
+  const RunOptions run = run_options(options, 3);
+  CHECK(run.verb == "simulate");
+  CHECK(run.frames == "1-4");
+  CHECK(run.threads == 3);
+  CHECK(run.memory == 2LL << 30);
+  CHECK(run.strict);
+  CHECK(!run.verbose);
+  CHECK(progress_mode(options) == ProgressMode::json);
+  CHECK(!run_options(parse({"simulate", "beam"}), 1).memory);
+  CHECK(progress_mode(parse({"simulate", "beam"})) == ProgressMode::automatic);
+}
+
+TEST_CASE("options of pictures become settings of the scene that win over --set, and those over --quick") {
+  const std::vector<Override> settings = scene_overrides(parse(
+      {"run", "beam", "--quick", "--set", "render.samples=7", "--samples", "9", "--size", "64x36", "--seed", "5"}));
+  std::vector<std::string> lines;
+  for (const Override& setting : settings) lines.push_back(setting.key + "=" + setting.value);
+  CHECK(lines == std::vector<std::string>{"render.size=[320, 180]", "render.samples=4", "render.samples=7",
+                                          "render.samples=9", "render.size=64x36", "render.seed=5"});
 }

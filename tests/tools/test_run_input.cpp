@@ -3,6 +3,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
+#include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
 #include "tools/setup/simulation_setup.h"
 

@@ -4,43 +4,29 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <functional>
-#include <map>
 #include <new>
 
 #include "core/base/error.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/command_line.h"
+#include "tools/cli/help_text.h"
+#include "tools/cli/verb.h"
 #include "tools/system/exit_code.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/version.h"
 
 namespace {
 
-using umax::Options;
-
-int run_verb(const Options& options) {
-  static const std::map<std::string, int (*)(const Options&)> functions{
-      {"run", umax::verb_run},         {"simulate", umax::verb_simulate},
-      {"render", umax::verb_render},   {"turntable", umax::verb_turntable},
-      {"drop", umax::verb_drop},       {"strip", umax::verb_strip},
-      {"inspect", umax::verb_inspect}, {"scenes", umax::verb_scenes},
-      {"presets", umax::verb_presets}, {"reproduce", umax::verb_reproduce},
-      {"tune", umax::verb_tune},       {"fit", umax::verb_fit},
-      {"compare", umax::verb_compare}, {"help", umax::verb_help}};
-  return functions.at(options.verb)(options);
-}
-
 int run(int argc, char** argv) {
-  const Options options = umax::parse_command_line(argc, argv);
+  const umax::Options options = umax::parse_command_line(argc, argv);
   if (options.version) {
     fmt::print("umax {}\n", umax::version_text());
     return 0;
   }
   if (options.help) {
-    fmt::print("{}", umax::help_text(options.verb == "help" ? "" : options.verb));
+    fmt::print("{}", options.verb == "help" ? umax::help_text() : umax::help_text(options.verb));
     return 0;
   }
-  return run_verb(options);
+  return umax::find_verb(options.verb).run(options);
 }
 
 int report(umax::Fault fault, const std::string& message) {

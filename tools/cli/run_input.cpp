@@ -10,9 +10,9 @@
 #include "core/files/sha256.h"
 #include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/placement.h"
+#include "scenes/builtin_scenes.h"
 #include "scenes/quantity.h"
 #include "scenes/resolved_scene.h"
-#include "tools/run/job.h"
 #include "tools/setup/studio.h"
 
 namespace umax {
@@ -85,6 +85,12 @@ MeshFacts look_at_mesh(const fs::path& path, const MeshSource& source, const std
 }
 
 }  // namespace
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const BuiltinScene& scene : builtin_scenes()) names.push_back(scene.name);
+  return names;
+}
 
 InputKind kind_of_input(const std::string& input) {
   std::error_code error;

@@ -10,7 +10,8 @@
 #include "render/image/flip.h"
 #include "render/image/image_io.h"
 #include "render/image/tone_map.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/options.h"
+#include "tools/cli/verb.h"
 #include "tools/pages/compare_report.h"
 #include "tools/system/threads.h"
 
@@ -126,9 +127,7 @@ int compare_folders(fs::path a, fs::path b, const Judge& judge) {
   return judge.decide(std::move(worst));
 }
 
-}  // namespace
-
-int verb_compare(const Options& options) {
+int compare(const Options& options) {
   if (options.inputs.size() != 2)
     throw Error(Fault::usage,
                 {.what = "umax compare takes two pictures or two folders", .remedy = "see umax help compare"});
@@ -148,6 +147,21 @@ int verb_compare(const Options& options) {
   const FlipResult& result = comparison.difference;
   judge.print("", result.mean, result.maximum, result.percent_above);
   return judge.decide(std::move(comparison));
+}
+
+}  // namespace
+
+Verb compare_verb() {
+  return {.name = "compare",
+          .usage = "A B",
+          .summary = "image difference: mean FLIP, maximum, percentage",
+          .details =
+              "Compares two pictures, or the pictures of the same names in two folders. Exit code 0: the mean FLIP is "
+              "within --max-flip; 1: it is not; 2 or more: the comparison failed.",
+          .examples = {"umax compare reference.png frames/0060.png --max-flip 0.05"},
+          .arguments = {.endings = {"*"}},
+          .options = {"--max-flip", "--report", "--threads", "--quiet", "--verbose"},
+          .run = compare};
 }
 
 }  // namespace umax

@@ -6,10 +6,10 @@
 #include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "scenes/quantity.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/options.h"
+#include "tools/cli/verb.h"
 #include "tools/fit/fit_folder.h"
 #include "tools/fit/fit_report.h"
-#include "tools/run/job.h"
 
 namespace umax {
 namespace {
@@ -34,23 +34,21 @@ MeasurementOptions measurement_options(const Options& options) {
   return measured;
 }
 
-}  // namespace
-
-int verb_fit(const Options& options) {
+int fit(const Options& options) {
   if (options.inputs.size() != 1)
     throw Error(Fault::usage, {"umax fit", "takes one file of measurements", std::to_string(options.inputs.size()),
                                "give a .csv file; see umax help fit"});
   const std::filesystem::path file = options.inputs.front();
   const MeasurementOptions measured = measurement_options(options);
   const std::filesystem::path output = output_folder(options, file.stem().string() + "-fit");
-  check_fit_folder(output, options.existing_folder());
+  check_fit_folder(output, existing_folder(options));
   const Measurements measurements = parse_measurements(read_file(file), file.string(), measured);
   for (const std::string& warning : measurements.warnings) fmt::print(stderr, "umax: warning: {}\n", warning);
 
   const MaterialFit fit = fit_material(measurements, options.poisson.value_or(0.3));
   for (const std::string& warning : fit.warnings)
     fmt::print(stderr, "umax: warning: {}: {}\n", measurements.name, warning);
-  const FitFolder folder(output, options.existing_folder());
+  const FitFolder folder(output, existing_folder(options));
   write_file(folder.plot(), fit_plot(measurements, fit));
   write_file(folder.snippet(), fit_snippet(measurements, fit));
   if (!options.quiet)
@@ -58,6 +56,27 @@ int verb_fit(const Options& options) {
                fmt::format("\nin {}: {}, {}\n", folder.path().string(), folder.snippet().filename().string(),
                            folder.plot().filename().string()));
   return 0;
+}
+
+}  // namespace
+
+Verb fit_verb() {
+  return {
+      .name = "fit",
+      .usage = "MEASUREMENTS.csv",
+      .summary = "material and limit from force-deformation data",
+      .details =
+          "Simulates the test that was measured on hexes and adjusts Young's modulus, the limit and, where the data "
+          "tell it, Poisson's ratio until the stretches at the measured forces fit. Writes DIR/material.toml, lines "
+          "for a scene, and DIR/fit.svg with data, simulated test and residuals.\n\nThe file has comma-separated "
+          "columns with a header: stretch [%] (change of length over length), stretch ratio (length over length) or "
+          "displacement [mm]; force [N] or stress [kPa] (over the section at rest); lateral stretch [%] or lateral "
+          "stretch ratio, if measured, tell Poisson's ratio. Lines that begin with # are comments.",
+      .examples = {"umax fit silicone.csv --length \"50 mm\" --area \"24 mm^2\"",
+                   "umax fit pads.csv --test shear --length \"4 mm\" --area \"10 cm^2\" --poisson 0.49"},
+      .arguments = {.endings = {"csv"}, .folders = true},
+      .options = {"--output", "--overwrite", "--test", "--length", "--area", "--poisson", "--quiet"},
+      .run = fit};
 }
 
 }  // namespace umax

@@ -13,10 +13,12 @@
 #include "core/model/filling.h"
 #include "embedding/cage/hex_cage.h"
 #include "render/image/image_io.h"
+#include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/verb.h"
 #include "tools/pictures/map_picture.h"
-#include "tools/run/job.h"
+#include "tools/run/run_folder.h"
+#include "tools/run/run_record.h"
 #include "tools/setup/body_maps.h"
 #include "tools/setup/limit_report.h"
 #include "tools/system/threads.h"
@@ -293,7 +295,7 @@ std::optional<std::filesystem::path> place_of_picture(const Scene& scene, const 
                                .remedy = "add --map limit or --map young"});
   }
   const std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
-  require_new_file(path, options.overwrite);
+  require_new_file(path, options);
   return path;
 }
 
@@ -303,9 +305,7 @@ void draw_map(const Simulation& simulation, const Options& options, const std::f
                               limit ? "× limit" : "× stiffness", options.threads.value_or(0)));
 }
 
-}  // namespace
-
-int verb_inspect(const Options& options) {
+int inspect(const Options& options) {
   const ThreadLimit threads(options.threads);
   const std::string input = single_input(options, "mesh, scene or folder of a run");
   const InputKind kind = kind_of_input(input);
@@ -327,6 +327,24 @@ int verb_inspect(const Options& options) {
   for (const BodyReport& report : reports) print_body(report);
   if (picture) fmt::print("picture    {}\n", picture->string());
   return 0;
+}
+
+}  // namespace
+
+Verb inspect_verb() {
+  return {.name = "inspect",
+          .usage = "MESH|SCENE|DIR",
+          .summary = "sizes, cage, mass, limits, problems",
+          .details =
+              "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used. "
+              "With --map it draws the factors of limit.map or material.young_map on the surface, from the front and "
+              "from the back.",
+          .examples = {"umax inspect bunny.ply --json",
+                       "umax inspect figure --set body.figure.limit.map=mesh --map limit -o paint.png"},
+          .arguments = {.words = scene_names, .endings = {"*"}},
+          .options = {"--output", "--set", "--overwrite", "--height", "--unit", "--up", "--cells", "--json", "--map",
+                      "--threads", "--quiet", "--verbose"},
+          .run = inspect};
 }
 
 }  // namespace umax

@@ -2,9 +2,10 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
-#include "tools/cli/verbs.h"
-#include "tools/run/job.h"
+#include "tools/cli/verb.h"
+#include "tools/run/run_folder.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -30,9 +31,7 @@ void render_in_place(const fs::path& run, const Options& options, Job& job) {
          .remedy = "go on with them by --resume, replace them by --overwrite, or choose another folder with -o"});
 }
 
-}  // namespace
-
-int verb_render(const Options& options) {
+int render_run(const Options& options) {
   const fs::path run = single_input(options, "folder of a run");
   Job job;
   job.scene = scene_of_run(run, scene_overrides(options));
@@ -49,12 +48,28 @@ int verb_render(const Options& options) {
     render_in_place(run, options, job);
   } else {
     job.folder = *options.output;
-    job.existing = options.existing_folder();
+    job.existing = existing_folder(options);
   }
   job.make_pictures = [run](const Simulation& simulation, const std::vector<int>& frames) {
     return pictures_of_run(simulation, run, frames);
   };
-  return do_job(job, options);
+  return run_job(job, options);
+}
+
+}  // namespace
+
+Verb render_verb() {
+  return {.name = "render",
+          .usage = "DIR",
+          .summary = "frames (and clip) from the states in DIR",
+          .details =
+              "Renders the frames whose states are in the run's folder, and encodes the clip. With -o the pictures go "
+              "into another folder.",
+          .examples = {"umax render falling --overwrite --engine osmesa --set render.heatmap=energy"},
+          .arguments = {.folders = true},
+          .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--engine", "--samples",
+                      "--size", "--seed", "--threads", "--progress", "--quiet", "--verbose"},
+          .run = render_run};
 }
 
 }  // namespace umax

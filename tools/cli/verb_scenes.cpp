@@ -4,11 +4,13 @@
 
 #include "core/base/error.h"
 #include "scenes/builtin_scenes.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/options.h"
+#include "tools/cli/verb.h"
 
 namespace umax {
+namespace {
 
-int verb_scenes(const Options& options) {
+int list_scenes(const Options& options) {
   if (!options.inputs.empty())
     throw Error(
         Fault::usage,
@@ -18,6 +20,19 @@ int verb_scenes(const Options& options) {
   for (const BuiltinScene& scene : scenes) width = std::max(width, scene.name.size());
   for (const BuiltinScene& scene : scenes) fmt::print("{:<{}}  {}\n", scene.name, width, scene.description);
   return 0;
+}
+
+}  // namespace
+
+Verb scenes_verb() {
+  return {.name = "scenes",
+          .usage = "",
+          .summary = "lists the built-in scenes",
+          .details = "One line each: name, then a description.",
+          .examples = {},
+          .arguments = {},
+          .options = {},
+          .run = list_scenes};
 }
 
 }  // namespace umax

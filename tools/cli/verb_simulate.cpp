@@ -1,16 +1,34 @@
-#include "scenes/scene_file.h"
-#include "tools/cli/verbs.h"
-#include "tools/run/job.h"
+#include "tools/cli/options.h"
+#include "tools/cli/run_input.h"
+#include "tools/cli/verb.h"
 
 namespace umax {
+namespace {
 
-int verb_simulate(const Options& options) {
+int simulate_scene(const Options& options) {
   Job job;
   job.scene = load_scene(single_input(options, "scene"), scene_overrides(options));
   job.folder = output_folder(options, job.scene.name);
-  job.existing = options.existing_folder();
+  job.existing = existing_folder(options);
   job.pictures = false;
-  return do_job(job, options);
+  return run_job(job, options);
+}
+
+}  // namespace
+
+Verb simulate_verb() {
+  return {
+      .name = "simulate",
+      .usage = "SCENE",
+      .summary = "states and steps.csv only",
+      .details =
+          "Writes one state per frame and one row of steps.csv per time step, and draws the rows in DIR/plots. With "
+          "--resume it goes on from the last whole state; the result is the same to the last bit as without the break.",
+      .examples = {"umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100"},
+      .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
+      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--threads", "--memory",
+                  "--progress", "--quiet", "--verbose"},
+      .run = simulate_scene};
 }
 
 }  // namespace umax

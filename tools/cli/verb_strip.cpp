@@ -3,12 +3,13 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
-#include "tools/cli/verbs.h"
+#include "tools/cli/verb.h"
 #include "tools/pictures/painter.h"
 #include "tools/pictures/strip.h"
 #include "tools/run/frame_list.h"
-#include "tools/run/job.h"
+#include "tools/run/run_folder.h"
 #include "tools/system/signals.h"
 #include "tools/system/threads.h"
 
@@ -44,12 +45,10 @@ std::vector<StripItem> items_of(const Options& options) {
   return items;
 }
 
-}  // namespace
-
-int verb_strip(const Options& options) {
+int paint_strip(const Options& options) {
   const ThreadLimit threads(options.threads);
   const fs::path path = options.output.value_or("strip.png");
-  require_new_file(path, options.overwrite);
+  require_new_file(path, options);
   const std::vector<StripItem> items = items_of(options);
   const RenderDescription& render = items.front().simulation->scene.render;
   const RenderScene strip = make_strip(items, double(render.width) / render.height);
@@ -57,6 +56,24 @@ int verb_strip(const Options& options) {
   if (!Painter(render, threads.count()).paint(strip, path)) return 128 + stop_signal();
   if (!options.quiet) fmt::print("strip: {}\n", path.string());
   return 0;
+}
+
+}  // namespace
+
+Verb strip_verb() {
+  return {.name = "strip",
+          .usage = "DIR...",
+          .summary = "one picture of several instants or runs",
+          .details =
+              "Puts the bodies of several runs, or of several frames of a run, side by side on one ground into one "
+              "picture, with the first run's camera direction, lights and heat map. Without --frames, the last frame "
+              "of each.",
+          .examples = {"umax strip falling --frames 30,50,70,120 -o falling.png --size 1280x440",
+                       "umax strip soft stiff --frames 60 --label soft --label stiff --set render.heatmap=stretch"},
+          .arguments = {.folders = true},
+          .options = {"--output", "--set", "--frames", "--overwrite", "--quick", "--engine", "--samples", "--size",
+                      "--seed", "--label", "--threads", "--quiet", "--verbose"},
+          .run = paint_strip};
 }
 
 }  // namespace umax

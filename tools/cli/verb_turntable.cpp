@@ -1,10 +1,10 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
-#include "tools/cli/verbs.h"
-#include "tools/run/frame_list.h"
-#include "tools/run/job.h"
+#include "tools/cli/verb.h"
+#include "tools/run/run_folder.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -29,9 +29,7 @@ int still_frame(const fs::path& run, const Options& options) {
                .remedy = "the run has " + std::to_string(count) + " states; choose one with --still"});
 }
 
-}  // namespace
-
-int verb_turntable(const Options& options) {
+int turn(const Options& options) {
   const std::string input = single_input(options, "mesh, scene or folder of a run");
   const InputKind kind = kind_of_input(input);
   if (kind != InputKind::run && options.still)
@@ -56,13 +54,30 @@ int verb_turntable(const Options& options) {
     name = job.scene.name;
   }
   job.folder = output_folder(options, name);
-  job.existing = options.existing_folder();
+  job.existing = existing_folder(options);
   job.make_pictures = [input, still](const Simulation& simulation, const std::vector<int>& frames) {
     const State state = still > 0 ? read_state(state_path(input, still), simulation.model, simulation.digest)
                                   : rest_state(simulation.model);
     return turntable_of(simulation, state, frames);
   };
-  return do_job(job, options);
+  return run_job(job, options);
+}
+
+}  // namespace
+
+Verb turntable_verb() {
+  return {.name = "turntable",
+          .usage = "MESH|SCENE|DIR",
+          .summary = "camera circles a still or a chosen frame",
+          .details =
+              "Circles a mesh, a scene's first instant, or one frame of a run once around. clip.frames is the number "
+              "of pictures.",
+          .examples = {"umax turntable bunny.ply --height \"20 cm\"", "umax turntable falling --still 60"},
+          .arguments = {.words = scene_names, .endings = {"*"}},
+          .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--engine", "--samples",
+                      "--size", "--seed", "--still", "--height", "--unit", "--up", "--threads", "--progress", "--quiet",
+                      "--verbose"},
+          .run = turn};
 }
 
 }  // namespace umax

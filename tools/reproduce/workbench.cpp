@@ -9,7 +9,7 @@
 #include "scenes/scene_file.h"
 #include "tools/pictures/painter.h"
 #include "tools/pictures/shot.h"
-#include "tools/run/job.h"
+#include "tools/run/run_record.h"
 #include "tools/setup/camera_framing.h"
 #include "tools/system/signals.h"
 
@@ -35,9 +35,9 @@ State Run::state(int frame) const {
   return read_state(state_path(folder, frame), simulation->model, simulation->digest);
 }
 
-std::vector<std::string> armadillo_settings_of(const Options& options) {
+std::vector<std::string> armadillo_settings_of(const std::vector<std::string>& settings) {
   bool has_mesh = false;
-  for (const std::string& setting : options.settings) {
+  for (const std::string& setting : settings) {
     const std::string key = parse_override(setting).key;
     has_mesh = has_mesh || key == "body.armadillo.mesh";
     if (key != "body.armadillo.mesh" && key != "body.armadillo.unit" && key != "body.armadillo.up")
@@ -45,12 +45,11 @@ std::vector<std::string> armadillo_settings_of(const Options& options) {
                                  .what = "umax reproduce takes body.armadillo.mesh, .unit and .up only",
                                  .remedy = "the experiments are the paper's; run others with umax run"});
   }
-  return has_mesh ? options.settings : std::vector<std::string>();
+  return has_mesh ? settings : std::vector<std::string>();
 }
 
-Workbench::Workbench(ReportFolder& folder, const Options& options, std::vector<std::string> armadillo,
-                     Progress& progress, int threads)
-    : folder_(folder), options_(options), progress_(progress), threads_(threads), armadillo_(std::move(armadillo)) {}
+Workbench::Workbench(ReportFolder& folder, const ReportOptions& options, Progress& progress)
+    : folder_(folder), options_(options), progress_(progress) {}
 
 Run Workbench::simulate(const std::string& name, const std::string& scene, const std::vector<std::string>& settings) {
   std::vector<Override> overrides;
@@ -68,7 +67,7 @@ Run Workbench::simulate(const std::string& name, const std::string& scene, const
     job.existing = stale ? ExistingFolder::overwrite : ExistingFolder::keep;
     job.pictures = false;
     create_folder(folder_.runs());
-    if (do_job(job, options_) != 0) throw Interrupted{stop_signal()};
+    if (do_job(job, options_.run, progress_) != 0) throw Interrupted{stop_signal()};
   }
   run.steps = read_steps(run.folder / "steps.csv", steps_header(probe_names(run.simulation->scene)));
   return run;
@@ -80,7 +79,7 @@ std::filesystem::path Workbench::paint(const std::string& name, const Tile& tile
       sha256_hex(fmt::format("{} {} {} {}", tile.key, render.width, render.height, render.samples));
   if (folder_.has_picture(png, digest)) return png;
   create_folder(folder_.tiles());
-  if (!Painter(render, threads_).paint(tile.shot(double(render.width) / render.height), png))
+  if (!Painter(render, options_.run.threads).paint(tile.shot(double(render.width) / render.height), png))
     throw Interrupted{stop_signal()};
   folder_.set_picture(png, digest);
   return png;

@@ -3,12 +3,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "render/annotation/annotate.h"
 #include "tools/reproduce/report_folder.h"
-#include "tools/run/options.h"
+#include "tools/run/job.h"
 #include "tools/run/steps_csv.h"
 #include "tools/setup/simulation_setup.h"
 
@@ -52,11 +53,17 @@ struct SheetSize {
   int samples = 128;  // paths a pixel
 };
 
+/// How a report is made.
+struct ReportOptions {
+  bool quick = false;                       // small pictures of few samples
+  std::optional<int> samples = {};          // paths a pixel; none: what the picture and `quick` want
+  std::vector<std::string> armadillo = {};  // settings that place it: see armadillo_settings_of()
+  RunOptions run = {};                      // of each simulation
+};
+
 class Workbench {
  public:
-  /// armadillo: see armadillo_settings_of().
-  Workbench(ReportFolder& folder, const Options& options, std::vector<std::string> armadillo, Progress& progress,
-            int threads);
+  Workbench(ReportFolder& folder, const ReportOptions& options, Progress& progress);
 
   bool quick() const { return options_.quick; }
   ReportFolder& folder() { return folder_; }
@@ -66,8 +73,8 @@ class Workbench {
   Run simulate(const std::string& name, const std::string& scene, const std::vector<std::string>& settings);
 
   /// The armadillo's file when --set body.armadillo.mesh names one: then scene "armadillo", else "figure".
-  bool has_armadillo() const { return !armadillo_.empty(); }
-  const std::vector<std::string>& armadillo_settings() const { return armadillo_; }
+  bool has_armadillo() const { return !options_.armadillo.empty(); }
+  const std::vector<std::string>& armadillo_settings() const { return options_.armadillo; }
 
   /// Traces the tiles that are not there yet and puts them side by side into NAME.png, smaller and coarser with
   /// --quick. Throws Interrupted.
@@ -77,15 +84,13 @@ class Workbench {
   std::filesystem::path paint(const std::string& name, const Tile& tile, const RenderDescription& render);
 
   ReportFolder& folder_;
-  const Options& options_;
+  ReportOptions options_;
   Progress& progress_;
-  int threads_;
-  std::vector<std::string> armadillo_;  // settings that place it
 };
 
-/// What --set says of the armadillo's file; none when it gives no file. Throws Error (usage) for other keys: everything
-/// else the paper prescribes.
-std::vector<std::string> armadillo_settings_of(const Options& options);
+/// What the settings of --set say of the armadillo's file; none when they give no file. Throws Error (usage) for other
+/// keys: everything else the paper prescribes.
+std::vector<std::string> armadillo_settings_of(const std::vector<std::string>& settings);
 
 /// A run's frame with the camera, lights and sky of its scene.
 Tile tile_of(const Run& run, int frame, const std::string& label);

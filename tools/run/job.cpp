@@ -11,10 +11,10 @@
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
-#include "scenes/scene_file.h"
 #include "tools/run/clip.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/job_estimate.h"
+#include "tools/run/run_record.h"
 #include "tools/run/simulate.h"
 #include "tools/run/step_plots.h"
 #include "tools/setup/limit_report.h"
@@ -22,7 +22,6 @@
 #include "tools/system/machine_memory.h"
 #include "tools/system/seconds_since.h"
 #include "tools/system/signals.h"
-#include "tools/system/threads.h"
 #include "tools/system/version.h"
 
 namespace umax {
@@ -31,16 +30,16 @@ namespace {
 /// run.json while the job runs: written at the start, after every stage and at the end.
 class RecordKeeper {
  public:
-  RecordKeeper(const RunFolder& folder, const Job& job, const Options& options, const std::string& scene_text,
-               const Digest& model, int threads)
+  RecordKeeper(const RunFolder& folder, const RunOptions& options, const std::string& scene_text,
+               const Simulation& simulation)
       : path_(folder.record()), record_(read_run_record(folder.record()).value_or(RunRecord{})) {
     record_.version = version_text();
     record_.verb = options.verb;
-    record_.scene = job.scene.name;
+    record_.scene = simulation.scene.name;
     record_.scene_sha256 = sha256_hex(scene_text);
-    record_.model_sha256 = model;
+    record_.model_sha256 = simulation.digest;
     record_.host = host_description();
-    record_.threads = threads;
+    record_.threads = options.threads;
     record_.exit_status.reset();
     write();
   }
@@ -102,58 +101,70 @@ SimulateResult simulate_and_plot(const Simulation& simulation, const RunFolder& 
   }
 }
 
+/// A job whose folder is ours.
+struct JobInHand {
+  const Job& job;
+  const RunOptions& options;
+  const Simulation& simulation;
+  const std::vector<int>& frames;
+  const RunFolder& folder;
+  RecordKeeper& keeper;
+  Progress& progress;
+};
+
 /// Simulates; returns the signal that stopped it, or 0.
-int simulate_stage(const Simulation& simulation, const RunFolder& folder, const Options& options, int last_frame,
-                   RecordKeeper& keeper, Progress& progress) {
+int simulate_stage(const JobInHand& hand) {
   const auto start = std::chrono::steady_clock::now();
-  const SimulateResult result = simulate_and_plot(
-      simulation, folder, {.last_frame = last_frame, .strict = options.strict, .verbose = options.verbose}, progress);
-  RunRecord& record = keeper.record();
+  const SimulateOptions options{
+      .last_frame = hand.frames.back(), .strict = hand.options.strict, .verbose = hand.options.verbose};
+  const SimulateResult result = simulate_and_plot(hand.simulation, hand.folder, options, hand.progress);
+  RunRecord& record = hand.keeper.record();
   record.simulate_seconds += seconds_since(start);
   record.frames = result.frames;
   record.steps = result.steps;
   record.steps_not_converged = result.steps_not_converged;
-  keeper.write();
+  hand.keeper.write();
   return result.signal;
 }
 
 /// Renders and encodes; returns the signal that stopped it, or 0.
-int picture_stage(const RunPictures& pictures, const Job& job, const RunFolder& folder, int threads,
-                  RecordKeeper& keeper, Progress& progress) {
-  RunRecord& record = keeper.record();
+int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
+  const Scene& scene = hand.job.scene;
+  RunRecord& record = hand.keeper.record();
   const bool is_stale = !record.pictures_sha256.empty() && record.pictures_sha256 != pictures.digest;
   if (is_stale) {
-    progress.note("the pictures that are there were made with other settings: they are made anew");
-    folder.remove_pictures();
+    hand.progress.note("the pictures that are there were made with other settings: they are made anew");
+    hand.folder.remove_pictures();
   }
   record.pictures_sha256 = pictures.digest;
-  keeper.write();
+  hand.keeper.write();
 
   auto start = std::chrono::steady_clock::now();
-  const RenderResult result = render_pictures(pictures.list, job.scene.render, threads, folder, progress);
+  const RenderResult result =
+      render_pictures(pictures.list, scene.render, hand.options.threads, hand.folder, hand.progress);
   record.render_seconds += seconds_since(start);
-  keeper.write();
+  hand.keeper.write();
   if (result.signal != 0) return result.signal;
 
   start = std::chrono::steady_clock::now();
-  encode_pictures(folder, pictures.list.frames, job.scene, progress);
+  encode_pictures(hand.folder, pictures.list.frames, scene, hand.progress);
   record.encode_seconds += seconds_since(start);
   return 0;
 }
 
-/// Everything after the checks: `ready` are the pictures when they do not wait for the simulation.
-int do_stages(const Job& job, const Options& options, const Simulation& simulation, const std::vector<int>& frames,
-              std::optional<RunPictures> ready, const RunFolder& folder, int threads, RecordKeeper& keeper,
-              Progress& progress) {
+/// Everything after the checks: `ready` are the pictures when they do not wait for the simulation. Returns the exit
+/// code.
+int do_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
   const SignalWatch watch;
   int signal = 0;
-  if (job.simulate) signal = simulate_stage(simulation, folder, options, frames.back(), keeper, progress);
-  if (job.pictures && signal == 0) {
-    const RunPictures pictures = ready ? std::move(*ready) : pictures_of_run(simulation, folder.path(), frames);
-    signal = picture_stage(pictures, job, folder, threads, keeper, progress);
+  if (hand.job.simulate) signal = simulate_stage(hand);
+  if (hand.job.pictures && signal == 0) {
+    const RunPictures pictures =
+        ready ? std::move(*ready) : pictures_of_run(hand.simulation, hand.folder.path(), hand.frames);
+    signal = picture_stage(hand, pictures);
   }
   if (signal != 0)
-    progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
+    hand.progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
   return signal == 0 ? 0 : 128 + signal;
 }
 
@@ -177,14 +188,13 @@ void require_same_run(const RunFolder& folder, const Simulation& simulation) {
 
 }  // namespace
 
-int do_job(const Job& job, const Options& options) {
-  const ThreadLimit threads(options.threads);
-  Progress progress(stdout, options.progress, options.quiet);
+int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
   const std::vector<int> frames =
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
   check_before_start(job);
-  const long long steps = steps_left(job, frames.back()), memory = usable_memory(options.memory);
+  const long long steps = steps_left(job, frames.back());
+  const long long memory = options.memory ? *options.memory : available_memory();
   // before cages are made that no memory holds, and before they are filled
   const CageWatch watch = [&](const std::vector<BodySetup>& caged) {
     if (steps > 0) require_memory(size_of(job.scene, caged), job.scene, double(memory));
@@ -209,48 +219,12 @@ int do_job(const Job& job, const Options& options) {
   const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
   require_same_run(folder, simulation);
   write_file(folder.scene(), scene_text);
-  RecordKeeper keeper(folder, job, options, scene_text, simulation.digest, threads.count());
+  RecordKeeper keeper(folder, options, scene_text, simulation);
   try {
-    return keeper.finish(
-        do_stages(job, options, simulation, frames, std::move(pictures), folder, threads.count(), keeper, progress));
+    return keeper.finish(do_stages({job, options, simulation, frames, folder, keeper, progress}, std::move(pictures)));
   } catch (const Error& error) {
     end_with(error, folder, keeper);
   }
-}
-
-std::vector<Override> scene_overrides(const Options& options) {
-  std::vector<Override> overrides;
-  if (options.quick) {
-    overrides.push_back({"render.size", "[320, 180]"});
-    overrides.push_back({"render.samples", "4"});
-  }
-  for (const std::string& setting : options.settings) overrides.push_back(parse_override(setting));
-  if (options.engine) overrides.push_back({"render.engine", *options.engine});
-  if (options.samples) overrides.push_back({"render.samples", std::to_string(*options.samples)});
-  if (options.size) overrides.push_back({"render.size", *options.size});
-  if (options.seed) overrides.push_back({"render.seed", std::to_string(*options.seed)});
-  return overrides;
-}
-
-void require_new_file(const std::filesystem::path& path, bool overwrite) {
-  std::error_code error;
-  if (!overwrite && std::filesystem::exists(path, error))
-    throw Error(
-        Fault::cannot_create,
-        {.where = path.string(), .what = "exists already", .remedy = "give another name with -o, or --overwrite"});
-}
-
-std::string single_input(const Options& options, const std::string& what) {
-  if (options.inputs.size() == 1) return options.inputs.front();
-  throw Error(Fault::usage,
-              {.what = "umax " + options.verb + " takes one " + what, .remedy = "see umax help " + options.verb});
-}
-
-std::filesystem::path output_folder(const Options& options, const std::string& name) {
-  if (!options.output) return name;
-  if (options.output->empty())
-    throw Error(Fault::usage, {.where = "-o", .what = "is empty", .remedy = "name a folder"});
-  return *options.output;
 }
 
 }  // namespace umax

@@ -7,10 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene_document.h"
-#include "tools/run/options.h"
 #include "tools/run/render_frames.h"
-#include "tools/run/run_record.h"
 
 namespace umax {
 
@@ -28,19 +25,17 @@ struct Job {
   std::function<RunPictures(const Simulation&, const std::vector<int>& frames)> make_pictures;
 };
 
+/// How a job is done, whatever it is.
+struct RunOptions {
+  std::string verb = {};                   // that run.json says made the run
+  std::optional<std::string> frames = {};  // "1-40,50,60-90x2"; none: all of the job
+  int threads = 1;                         // that pictures are made with, and that run.json says
+  std::optional<long long> memory = {};    // [bytes] that the simulation may take; none: what the machine has to give
+  bool strict = false;                     // a step that does not converge ends the run: Error (try_again)
+  bool verbose = false;                    // a line per iteration
+};
+
 /// Does the job and returns the exit code. Everything that can be wrong is found out before the folder is touched.
-int do_job(const Job& job, const Options& options);
-
-/// The options --engine, --samples, --size, --seed and --quick as settings of the scene, behind those of --set.
-std::vector<Override> scene_overrides(const Options& options);
-
-/// Throws Error (cannot_create) when a file is there that may not be overwritten.
-void require_new_file(const std::filesystem::path& path, bool overwrite);
-
-/// The only input; throws Error (usage) when there is none or more than one.
-std::string single_input(const Options& options, const std::string& what);
-
-/// -o, or ./NAME.
-std::filesystem::path output_folder(const Options& options, const std::string& name);
+int do_job(const Job& job, const RunOptions& options, Progress& progress);
 
 }  // namespace umax

@@ -85,11 +85,6 @@ std::optional<long long> parse_memory(const std::string& text) {
   return (long long)(number);
 }
 
-long long usable_memory(const std::optional<std::string>& given) {
-  const auto size = given ? parse_memory(*given) : std::nullopt;
-  return size ? *size : available_memory();
-}
-
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int largest = 32 << 20;  // [bytes] of a block that glibc lets come from the heap

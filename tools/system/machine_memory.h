@@ -15,9 +15,6 @@ long long available_memory(const std::filesystem::path& root = "/");
 /// size.
 std::optional<long long> parse_memory(const std::string& text);
 
-/// [bytes] that a job may take: the size that --memory gives, or what the machine has.
-long long usable_memory(const std::optional<std::string>& given);
-
 /// From now on memory that is freed stays with the process. Solvers free and allocate the same vectors at each
 /// iteration: giving their pages back to the system, to be cleared again, took a twentieth of a step on 100,000 hexes.
 void keep_freed_memory();

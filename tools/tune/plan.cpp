@@ -6,7 +6,6 @@
 #include "core/base/error.h"
 #include "scenes/presets.h"
 #include "scenes/scene_file.h"
-#include "tools/run/job.h"
 #include "tools/tune/preview.h"
 #include "tools/tune/snippet.h"
 #include "tools/tune/tuning.h"
@@ -68,23 +67,23 @@ void require_in_step(const TunePlan& plan) {
 
 }  // namespace
 
-TunePlan plan_tuning(const std::string& scene_name, const Options& options) {
-  const std::vector<Override> settings = scene_overrides(options);
-  const Scene base = load_scene(scene_name, settings);
+TunePlan plan_tuning(const TuneRequest& request) {
+  const std::vector<Override>& settings = request.settings;
+  const Scene base = load_scene(request.scene, settings);
   TunePlan plan{.scene_name = base.name, .variations = {}, .variants = {}, .notes = {}};
-  if (options.presets) plan.variations.push_back(all_presets(base, settings));
-  for (const std::string& text : options.variations) plan.variations.push_back(parse_variation(text));
+  if (request.presets) plan.variations.push_back(all_presets(base, settings));
+  for (const std::string& text : request.variations) plan.variations.push_back(parse_variation(text));
   const std::vector<SceneVariant> variants = combinations(plan.variations);
 
   Preview preview;
-  if (!options.final) preview = preview_of(base, chosen_keys(settings, plan.variations));
+  if (!request.final) preview = preview_of(base, chosen_keys(settings, plan.variations));
   plan.notes = preview.notes;
   for (const SceneVariant& variant : variants) {
     std::vector<Override> given = settings;
     given.insert(given.end(), variant.settings.begin(), variant.settings.end());
     std::vector<Override> all = preview.settings;
     all.insert(all.end(), given.begin(), given.end());
-    TuneVariant one{.variant = variant, .scene = load_variant(scene_name, all, variant), .snippet = {}};
+    TuneVariant one{.variant = variant, .scene = load_variant(request.scene, all, variant), .snippet = {}};
     one.snippet = scene_snippet(one.scene, lines_for_scene(settings, variant));
     plan.variants.push_back(std::move(one));
   }

@@ -67,13 +67,14 @@ long long memory_of(const Scene& scene) {
 /// Does the stage of all variants that lack it; results are of these, `done` are those that failed before.
 class Runner {
  public:
-  Runner(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress)
+  Runner(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress)
       : plan_(plan),
         folder_(folder),
         progress_(progress),
         results_(plan.variants.size()),
         is_ours_(plan.variants.size(), 0) {
-    workers_ = {.threads = threads, .memory = usable_memory(options.memory), .common_words = {}};
+    workers_.threads = options.threads;
+    workers_.memory = options.memory ? *options.memory : available_memory();
     // all of it for each: what runs beside it has been counted here
     workers_.common_words = {"--memory", std::to_string(workers_.memory)};
     if (options.strict) workers_.common_words.push_back("--strict");
@@ -231,9 +232,9 @@ int stopped(Progress& progress) {
 
 }  // namespace
 
-int do_tuning(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress) {
+int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress) {
   const std::string library = plotting_library();
-  Runner runner(plan, folder, options, threads, progress);
+  Runner runner(plan, folder, options, progress);
   std::vector<Scene> scenes = scenes_of(plan);
   std::vector<VariantMeasures> measures;
   if (!std::all_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return stands_still(scene.camera); })) {

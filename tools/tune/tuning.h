@@ -1,15 +1,32 @@
 // Runs the variants of a scene and writes what shows them side by side.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
-#include "tools/run/options.h"
+#include "scenes/scene_document.h"
+#include "tools/system/progress.h"
 #include "tools/tune/tune_folder.h"
 #include "tools/tune/variants.h"
 
 namespace umax {
+
+/// What is to be put side by side.
+struct TuneRequest {
+  std::string scene;                         // a file, or the name of a built-in scene
+  std::vector<Override> settings = {};       // for all variants
+  std::vector<std::string> variations = {};  // "key=a,b,c": see parse_variation()
+  bool presets = false;                      // vary material.preset over all presets
+  bool final = false;                        // the scene as it is, not a preview of it
+};
+
+/// What the variants' runs get of the machine, and what they are told.
+struct TuneRunOptions {
+  int threads = 1;                       // of all together
+  std::optional<long long> memory = {};  // [bytes] of all together; none: what the machine has to give
+  bool strict = false;                   // a step that does not converge ends its run
+};
 
 /// A variant as it is to be run.
 struct TuneVariant {
@@ -27,10 +44,10 @@ struct TunePlan {
 
 /// Reads the scene once for each variant. Throws Error: usage for --vary, what load_scene() throws, and for scenes
 /// whose variants cannot be shown in step (another number of frames, rate or size).
-TunePlan plan_tuning(const std::string& scene, const Options& options);
+TunePlan plan_tuning(const TuneRequest& request);
 
 /// Runs what is missing and writes sheet, clip and page; returns the exit code: 0, that of the first variant that
 /// failed, or 128 + n after signal n. Throws Error when nothing can be shown.
-int do_tuning(const TunePlan& plan, const TuneFolder& folder, const Options& options, int threads, Progress& progress);
+int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress);
 
 }  // namespace umax

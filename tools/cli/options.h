@@ -1,11 +1,13 @@
-// What the command line asks for, verb by verb.
+// What stands on the command line, whatever the verb. Verbs make of it what the rooms below take; none of those sees it.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/run/run_folder.h"
+#include "scenes/scene_document.h"
+#include "tools/run/job.h"
 #include "tools/system/progress.h"
 
 namespace umax {
@@ -23,7 +25,7 @@ struct Options {
   std::optional<int> threads;
   std::optional<std::string> memory;  // "8G": parse_memory() reads it
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, json = false;
-  ProgressMode progress = ProgressMode::automatic;
+  std::optional<std::string> progress;  // "auto" | "plain" | "json"
 
   std::optional<std::string> engine;  // "embree" | "osmesa"
   std::optional<int> samples;
@@ -49,24 +51,34 @@ struct Options {
   std::optional<std::string> report;  // compare: a page to write
   std::optional<double> max_flip;     // compare
 
-  ExistingFolder existing_folder() const {
-    return overwrite ? ExistingFolder::overwrite : resume ? ExistingFolder::keep : ExistingFolder::refuse;
-  }
+  bool man = false;                       // help: the manual page
+  std::optional<std::string> completion;  // help: "bash" | "zsh"
 };
 
-struct VerbHelp {
-  const char* name;
-  const char* arguments;
-  const char* summary;  // one line
-  const char* details;  // paragraphs
-};
-const std::vector<VerbHelp>& verbs();
+/// The only input; throws Error (usage) when there is none or more than one.
+std::string single_input(const Options& options, const std::string& what);
 
-/// Throws Error (usage): unknown verb or option (naming the nearest), a value that does not fit, an option that the
-/// verb does not take.
-Options parse_command_line(int argc, const char* const* argv);
+/// -o, or ./NAME.
+std::filesystem::path output_folder(const Options& options, const std::string& name);
 
-/// "umax help" (verb empty) and "umax help VERB".
-std::string help_text(const std::string& verb);
+/// What --resume and --overwrite make of a folder that is there.
+ExistingFolder existing_folder(const Options& options);
+
+/// Throws Error (cannot_create) when a file is there that --overwrite does not give up.
+void require_new_file(const std::filesystem::path& path, const Options& options);
+
+/// The options --engine, --samples, --size, --seed and --quick as settings of the scene, behind those of --set.
+std::vector<Override> scene_overrides(const Options& options);
+
+ProgressMode progress_mode(const Options& options);
+
+/// [bytes] that --memory gives.
+std::optional<long long> memory_limit(const Options& options);
+
+/// threads: see ThreadLimit.
+RunOptions run_options(const Options& options, int threads);
+
+/// Does the job with the threads and the progress that the options ask for; returns the exit code.
+int run_job(const Job& job, const Options& options);
 
 }  // namespace umax

@@ -1,0 +1,217 @@
+#include "tools/cli/option_table.h"
+
+#include <cstdio>
+
+#include "tools/system/machine_memory.h"
+
+namespace umax {
+namespace {
+
+std::string check_size(const std::string& text) {
+  int width = 0, height = 0, end = 0;
+  const int found = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end);
+  if (found == 2 && std::size_t(end) == text.size() && width > 0 && height > 0) return "";
+  return "\"" + text + "\" is no size; write it as 1280x720";
+}
+
+std::string check_memory(const std::string& text) {
+  if (parse_memory(text)) return "";
+  return "\"" + text + "\" is no size of memory; write it as 8G, 500M or a number of bytes";
+}
+
+using Table = std::vector<OptionDefinition>;
+
+Table run_table() {
+  return {
+      {.name = "--output",
+       .short_name = "-o",
+       .value = "DIR",
+       .description = "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; "
+                      "tune, fit: ./NAME-tune, ./NAME-fit); strip, inspect --map: the picture (./strip.png, "
+                      "./NAME-limit-map.png)",
+       .target = &Options::output,
+       .is_path = true},
+      {.name = "--set",
+       .value = "KEY=VALUE",
+       .description = "set any key of the scene, as in --set body.figure.limit.stretch=15%; repeatable",
+       .target = &Options::settings},
+      {.name = "--frames",
+       .value = "LIST",
+       .description = "only these frames, as in 1-40,50,60-90x2",
+       .target = &Options::frames},
+      {.name = "--resume", .description = "go on with the folder's run where it stopped", .target = &Options::resume},
+      {.name = "--overwrite",
+       .description = "replace the run that the folder holds; strip, inspect --map: the picture",
+       .target = &Options::overwrite},
+      {.name = "--strict",
+       .description = "end with exit code 75 when a step does not converge",
+       .target = &Options::strict},
+      {.name = "--quick",
+       .description = "few samples and small pictures, for a first look",
+       .target = &Options::quick}};
+}
+
+Table picture_table() {
+  return {{.name = "--engine",
+           .value = "ENGINE",
+           .description = "embree (path tracer) or osmesa (rasteriser)",
+           .target = &Options::engine,
+           .choices = {"embree", "osmesa"}},
+          {.name = "--samples",
+           .value = "N",
+           .description = "paths per pixel of the path tracer",
+           .target = &Options::samples,
+           .range = OptionRange{1, 1e6}},
+          {.name = "--size",
+           .value = "WxH",
+           .description = "size of the pictures in pixels, as in 1280x720",
+           .target = &Options::size,
+           .examples = {"1280x720", "1920x1080", "640x360"},
+           .check = check_size},
+          {.name = "--seed",
+           .value = "N",
+           .description = "seed of the path tracer's noise",
+           .target = &Options::seed,
+           .range = OptionRange{0, 4294967295.0}},
+          {.name = "--label",
+           .value = "TEXT",
+           .description = "words below a thing in the strip; once for each, from left to right",
+           .target = &Options::labels},
+          {.name = "--still",
+           .value = "FRAME",
+           .description = "the frame of the run that is circled (default: the last)",
+           .target = &Options::still,
+           .range = OptionRange{1, 1e9}}};
+}
+
+Table mesh_table() {
+  return {{.name = "--height",
+           .value = "LENGTH",
+           .description = "make the mesh this tall, as in 1.8 or \"30 cm\"",
+           .target = &Options::height},
+          {.name = "--unit",
+           .value = "UNIT",
+           .description = "length of the mesh file's unit: mm, cm, m, in, ft, or metres as a number",
+           .target = &Options::unit,
+           .examples = {"mm", "cm", "m", "in", "ft"}},
+          {.name = "--up",
+           .value = "AXIS",
+           .description = "axis that points up in the mesh file: x, y, z, -x, -y or -z",
+           .target = &Options::up,
+           .examples = {"x", "y", "z"}},
+          {.name = "--cells",
+           .value = "N",
+           .description = "number of hexes that the cage should have (default: 365)",
+           .target = &Options::cells},
+          {.name = "--stretch",
+           .value = "PERCENT",
+           .description = "most that any hex may stretch (default: 20%)",
+           .target = &Options::stretch}};
+}
+
+Table look_table() {
+  return {{.name = "--max-flip",
+           .value = "X",
+           .description = "largest mean FLIP that passes (default: 0.02)",
+           .target = &Options::max_flip,
+           .range = OptionRange{0, 1}},
+          {.name = "--report",
+           .value = "FILE",
+           .description = "write an HTML page with both pictures and their difference",
+           .target = &Options::report,
+           .is_path = true},
+          {.name = "--json", .description = "print one JSON object", .target = &Options::json},
+          {.name = "--map",
+           .value = "limit|young",
+           .description = "draw the factors on the limit or on Young's modulus, as maps and files of hexes give them",
+           .target = &Options::map,
+           .choices = {"limit", "young"}}};
+}
+
+Table tune_table() {
+  return {{.name = "--vary",
+           .value = "KEY=A,B,C",
+           .description = "run the scene once for each value; repeatable: every combination; as in --vary "
+                          "body.figure.limit.stretch=5%,10%,20%",
+           .target = &Options::variations},
+          {.name = "--presets",
+           .description = "vary material.preset over all presets (umax presets)",
+           .target = &Options::presets},
+          {.name = "--final", .description = "the scene as it is, not a preview of it", .target = &Options::final}};
+}
+
+Table fit_table() {
+  return {{.name = "--test",
+           .value = "KIND",
+           .description = "uniaxial (default), compression or shear",
+           .target = &Options::test,
+           .choices = {"uniaxial", "compression", "shear"}},
+          {.name = "--length",
+           .value = "LENGTH",
+           .description = "of the specimen at rest, for displacements, as in \"50 mm\"; shear: height of the sheared "
+                          "layer",
+           .target = &Options::length},
+          {.name = "--area",
+           .value = "AREA",
+           .description = "of the specimen's section at rest, for forces, as in \"25 mm^2\"; shear: of the sheared "
+                          "layer",
+           .target = &Options::area},
+          {.name = "--poisson",
+           .value = "NU",
+           .description = "Poisson's ratio where the data do not tell it (default: 0.3)",
+           .target = &Options::poisson,
+           .range = OptionRange{-0.99, 0.4999}}};
+}
+
+Table general_table() {
+  return {
+      {.name = "--threads",
+       .value = "N",
+       .description = "number of threads (default: all cores); results do not depend on it",
+       .target = &Options::threads,
+       .range = OptionRange{1, 1024}},
+      {.name = "--memory",
+       .value = "SIZE",
+       .description = "memory that a simulation may take, as in 8G or 500M (default: what the machine has to "
+                      "give); what would need more is refused before it starts",
+       .target = &Options::memory,
+       .check = check_memory},
+      {.name = "--progress",
+       .value = "MODE",
+       .description = "auto (a bar on a terminal), plain (a line per frame) or json",
+       .target = &Options::progress,
+       .choices = {"auto", "plain", "json"}},
+      {.name = "--quiet", .description = "say nothing but warnings and errors", .target = &Options::quiet},
+      {.name = "--verbose",
+       .description = "say more; simulate prints a line per iteration",
+       .target = &Options::verbose},
+      {.name = "--man", .description = "the manual page, as in umax help --man | man -l -", .target = &Options::man},
+      {.name = "--completion",
+       .value = "SHELL",
+       .description = "what makes the shell complete the program's words, as in source <(umax help --completion "
+                      "bash)",
+       .target = &Options::completion,
+       .choices = {"bash", "zsh"}},
+      {.name = "--help", .short_name = "-h", .description = "this text", .target = &Options::help},
+      {.name = "--version", .description = "the program's version", .target = &Options::version}};
+}
+
+}  // namespace
+
+const std::vector<OptionDefinition>& option_table() {
+  static const Table all = [] {
+    Table joined;
+    for (const Table& part :
+         {run_table(), picture_table(), mesh_table(), look_table(), tune_table(), fit_table(), general_table()})
+      joined.insert(joined.end(), part.begin(), part.end());
+    return joined;
+  }();
+  return all;
+}
+
+std::string usage(const OptionDefinition& option) {
+  return (option.short_name.empty() ? "" : option.short_name + ",") + option.name +
+         (option.value.empty() ? "" : " " + option.value);
+}
+
+}  // namespace umax

@@ -1,0 +1,50 @@
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/nearest_word.h"
+#include "tools/cli/verb.h"
+
+// Every verb, in the order of help: verb_NAME.cpp defines `Verb NAME_verb()`.
+#define UMAX_VERBS(verb)                                                                                  \
+  verb(run) verb(simulate) verb(render) verb(turntable) verb(strip) verb(drop) verb(inspect) verb(scenes) \
+      verb(presets) verb(reproduce) verb(tune) verb(fit) verb(compare) verb(help)
+
+namespace umax {
+
+#define UMAX_DECLARE(name) Verb name##_verb();
+UMAX_VERBS(UMAX_DECLARE)
+#undef UMAX_DECLARE
+
+namespace {
+
+/// Those that are promised for later versions.
+const std::vector<std::string> not_built{"export", "live", "aim", "encode", "farm", "doctor"};
+
+}  // namespace
+
+const std::vector<Verb>& verbs() {
+#define UMAX_CALL(name) name##_verb(),
+  static const std::vector<Verb> all{UMAX_VERBS(UMAX_CALL)};
+#undef UMAX_CALL
+  return all;
+}
+
+const Verb& find_verb(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Verb& verb : verbs()) {
+    if (verb.name == name) return verb;
+    known.push_back(verb.name);
+  }
+  if (std::find(not_built.begin(), not_built.end(), name) != not_built.end())
+    throw Error(Fault::usage,
+                {.what = "umax " + name + ": not in this version", .remedy = "see umax help for what there is"});
+  throw Error(Fault::usage, {.what = "unknown verb \"" + name + "\"",
+                             .remedy = "did you mean umax " + nearest_word(name, known) + "? See umax help"});
+}
+
+bool takes_option(const Verb& verb, const std::string& long_name) {
+  if (long_name == "--help" || long_name == "--version") return true;
+  return std::find(verb.options.begin(), verb.options.end(), long_name) != verb.options.end();
+}
+
+}  // namespace umax
