@@ -61,7 +61,7 @@ SceneValue parse_override_value(const std::string& text, const SourcePlace& plac
     const toml::table table = toml::parse("value = " + text);
     if (table.size() == 1) value = convert(*table.get("value"), place);
   } catch (const toml::parse_error&) {
-    // not a TOML value: a bare word, a path or a quantity
+    value.data = text;  // a bare word, a path or a quantity
   }
   if (value.as<SceneValue::Date>()) value.data = text;
   value.place = place;

@@ -294,7 +294,7 @@ std::optional<std::filesystem::path> place_of_picture(const Scene& scene, const 
                                .what = "is for the picture of --map",
                                .remedy = "add --map limit or --map young"});
   }
-  const std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
+  std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
   require_new_file(path, options);
   return path;
 }
