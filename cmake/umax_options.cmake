@@ -19,8 +19,9 @@ if(UMAX_COVERAGE)
   target_link_options(umax_options INTERFACE --coverage)
 endif()
 
-# What nearly every file of the rooms includes is compiled once, in the room named base (and in scenes for the rooms of text, see below). A file still includes what it
-# uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a compiler cache, which keeps no file that has one.
+# What nearly every file of the rooms includes is compiled once, in the room named base (and in pages for the rooms of
+# text, see below). A file still includes what it uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a
+# compiler cache, which keeps no file that has one.
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
@@ -62,7 +63,7 @@ function(umax_room name)
   target_link_libraries(umax_${name} PUBLIC umax_options Eigen3::Eigen ${arg_ROOMS} PRIVATE umax_warnings ${arg_PACKAGES})
   set(with base)
   if(name IN_LIST umax_text_rooms)
-    set(with scenes)
+    set(with pages)
     target_compile_options(umax_${name} PRIVATE $<$<CONFIG:Release>:-Og>)
   endif()
   if(name STREQUAL with)

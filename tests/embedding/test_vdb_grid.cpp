@@ -44,12 +44,13 @@ struct Seed {
   VdbGrid::Kind kind = VdbGrid::Kind::number;
 };
 
-/// Small files of every way to store values.
-std::vector<Seed> seeds() {
+/// Small files of numbers and vectors, whole and as halves.
+std::vector<Seed> seeds(const std::vector<VdbCompression>& compressions = {VdbCompression::none, VdbCompression::zip,
+                                                                           VdbCompression::blosc}) {
   const auto number = [](const Vector3d& p) { return 1 + p.squaredNorm(); };
   const auto direction = [](const Vector3d& p) { return Vector3d(1, p.x(), p.y()); };
   std::vector<Seed> seeds;
-  for (const auto compression : {VdbCompression::none, VdbCompression::zip, VdbCompression::blosc})
+  for (const auto compression : compressions)
     for (const bool as_halves : {false, true}) {
       const VdbContent numbers{.number = number, .first = {-3, -3, -3}, .last = {9, 3, 3}, .as_halves = as_halves};
       const VdbContent vectors{
@@ -114,8 +115,8 @@ TEST_CASE("OpenVDB files of every compression are read, and what they promise is
 }
 
 TEST_CASE("a huge count anywhere in an OpenVDB file is refused at once or does no harm") {
-  for (const Seed& seed : seeds()) {
-    const std::size_t front = 680;  // as far as the root of the tree
+  for (const Seed& seed : seeds({VdbCompression::blosc})) {
+    const std::size_t front = 680;  // as far as the root of the tree, where compression tells nothing yet
     REQUIRE(seed.bytes.size() > 10 * front);
     int num_refused = 0;
     for (std::size_t at = 0; at < front; ++at) {
