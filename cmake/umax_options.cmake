@@ -19,9 +19,8 @@ if(UMAX_COVERAGE)
   target_link_options(umax_options INTERFACE --coverage)
 endif()
 
-# What nearly every file of the rooms includes is compiled once, in the room named base (and in pages for the rooms of
-# text, see below). A file still includes what it uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a
-# compiler cache, which keeps no file that has one.
+# What nearly every file of the rooms includes is compiled once, in the room named base. A file still includes what it
+# uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. So does a compiler cache, which keeps no file that has one.
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
@@ -49,9 +48,6 @@ function(umax_file_options options)
   set_source_files_properties(${arg_FILES} PROPERTIES COMPILE_OPTIONS ${options} SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# Rooms that read and write words: optimised they would be no faster to a reader, but a minute slower to build.
-set(umax_text_rooms scenes pages tune cli)
-
 # umax_room(<name> SOURCES <files> [ROOMS <names>] [PACKAGES <targets>]): the folder's static library umax_<name> with the
 # alias umax::<name>. ROOMS: those whose headers it includes; what uses this room may use them too. PACKAGES: third-party
 # libraries, which stay inside.
@@ -61,15 +57,10 @@ function(umax_room name)
   add_library(umax::${name} ALIAS umax_${name})
   list(TRANSFORM arg_ROOMS PREPEND umax::)
   target_link_libraries(umax_${name} PUBLIC umax_options Eigen3::Eigen ${arg_ROOMS} PRIVATE umax_warnings ${arg_PACKAGES})
-  set(with base)
-  if(name IN_LIST umax_text_rooms)
-    set(with pages)
-    target_compile_options(umax_${name} PRIVATE $<$<CONFIG:Release>:-Og>)
-  endif()
-  if(name STREQUAL with)
-    target_precompile_headers(umax_${name} PRIVATE ${umax_common_headers})
+  if(name STREQUAL "base")
+    target_precompile_headers(umax_base PRIVATE ${umax_common_headers})
   else()
-    target_precompile_headers(umax_${name} REUSE_FROM umax_${with})
+    target_precompile_headers(umax_${name} REUSE_FROM umax_base)
   endif()
 endfunction()
 

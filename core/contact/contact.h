@@ -26,11 +26,11 @@ struct Support {
 /// One contact constraint of the working set.
 struct Contact {
   ContactPoint point;
-  int obstacle = 0;  // index into Model::obstacles
-  Support support;   // where on the body; what follows from it: core/contact/contact_support.h
-  Vector3d normal = Vector3d::UnitY();          // world, out of the obstacle
-  double gap = 0;                               // [m] to be kept >= 0: distance and the depth still allowed
-  double friction = 0;                          // [-]
+  int obstacle = 0;                     // index into Model::obstacles
+  Support support;                      // where on the body; what follows from it: core/contact/contact_support.h
+  Vector3d normal = Vector3d::UnitY();  // world, out of the obstacle
+  double gap = 0;                       // [m] to be kept >= 0: distance and the depth still allowed
+  double friction = 0;                  // [-]
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
   Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
   Vector3d force = Vector3d::Zero();            // [N] world, on the body

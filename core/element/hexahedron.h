@@ -24,7 +24,7 @@ Matrix8x3d shape_gradients(const Vector3d& s);
 /// The 8 quadrature points, in the nodes' order.
 const std::array<Vector3d, 8>& quadrature_points();
 
-/// Which linear map the element's rotation is taken from (THEORY: "Rotation estimate").
+/// Which linear map the element's rotation is taken from (docs/solvers.md, Rotation estimate).
 enum class RotationEstimate {
   centre,       // deformation gradient at the element's centre (default: symmetric)
   tetrahedron,  // inner tetrahedron of the 5-tetrahedra cut

@@ -41,7 +41,7 @@ void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
 
 void append_masses(const Body& body, Eigen::Index first_node, Eigen::Index first_hex, Model& model) {
   const VectorXd fractions = body.material.mass == MassModel::mesh ? weighing_fractions(body.lattice)
-                                                                   : VectorXd::Ones(body.lattice.num_hexes());
+                                                                   : VectorXd::Ones(body.lattice.num_hexes()).eval();
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
     const HexShape& shape = model.shapes[model.hex_shape[first_hex + e]];
     // the nodes of a box have equal shares

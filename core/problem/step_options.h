@@ -8,7 +8,7 @@
 namespace umax {
 
 enum class SolverMethod {
-  exact,  // hybrid SQP: limits in the matrix, contacts by Schur complement (THEORY 5)
+  exact,  // docs/solvers.md, Sequential quadratic programming: limits in the matrix, contacts by Schur complement
   paper,  // [PPO13] Sect. 5 in its accumulating form: limits and contacts in one projected Gauss-Seidel
 };
 

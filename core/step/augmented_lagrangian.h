@@ -1,4 +1,5 @@
-// The exact method's safety net: an augmented Lagrangian, minimised by Newton steps with a line search.  THEORY 5.6
+// The exact method's safety net: an augmented Lagrangian, minimised by Newton steps with a line search.
+// docs/solvers.md, Augmented Lagrangian
 //
 //   L(x) = inertia + damping + elasticity + gravity  +  sum over limits and contacts of their augmented terms
 //

@@ -42,7 +42,7 @@ struct BpxContactCompliance {
 };
 
 BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
-                                                const std::vector<Contact>& contacts);
+                                                 const std::vector<Contact>& contacts);
 
 /// The motions W f of contact points under forces f (3 per contact).
 VectorXd apply(const BpxContactCompliance& compliance, const VectorXd& forces);

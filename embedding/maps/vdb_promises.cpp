@@ -137,7 +137,7 @@ class Tree {
 
   void walk() {
     require(bytes_.number<std::int32_t>() == 1, "it has several buffers");
-    bytes_.skip(type_.size);        // the background's value
+    bytes_.skip(type_.size);  // the background's value
     const std::int64_t num_tiles = bytes_.number<std::uint32_t>(), num_children = bytes_.number<std::uint32_t>();
     bytes_.skip(num_tiles * (place + type_.size + 1));
     for (std::int64_t child = 0; child < num_children; ++child) {

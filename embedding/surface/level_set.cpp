@@ -145,7 +145,7 @@ LevelSet::LevelSet(const Points& positions, const Triangles& triangles, const Ve
     : data_(std::make_unique<Data>()) {
   if (!(options.voxel >= LevelSetOptions::smallest_voxel))
     throw Error(Fault::bad_data, {"level set", "is too fine", fmt::format("voxels of {:g} m", options.voxel),
-                                     "ask for fewer samples, or give a larger mesh"});
+                                  "ask for fewer samples, or give a larger mesh"});
   openvdb::initialize();
   data_->origin = origin;
   data_->voxel = options.voxel;

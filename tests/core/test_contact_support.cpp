@@ -51,7 +51,7 @@ TEST_CASE("a contact's row asks for the gap along its motion against the obstacl
   const ContactRows rows = contact_rows(problem, positions, {contact, contact});
   REQUIRE(rows.rows.size() == 2);
   for (int i = 0; i < 2; ++i) {
-    CHECK((rows.motions.segment<3>(3 * i) - relative).norm() < 1e-16);
+    CHECK((rows.motions.segment<3>(3 * i) - relative).norm() < 1e-15);
     CHECK(rows.rows[i].bias + contact.normal.dot(relative) == Approx(contact.gap));
     CHECK(rows.rows[i].friction == 0.4);
     CHECK(rows.rows[i].normal == contact.normal);

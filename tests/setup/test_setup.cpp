@@ -47,7 +47,7 @@ ProcessState process_state() {
   constexpr unsigned sticky_flags = 0x3f;  // exceptions that have been, which any sum may raise
   ProcessState state;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGFPE, SIGXFSZ, SIGCHLD}) {
-    struct sigaction action {};
+    struct sigaction action{};
     ::sigaction(signal, nullptr, &action);
     state.handlers.push_back(action.sa_handler);
   }

@@ -37,8 +37,7 @@ openvdb::GridBase::Ptr make_grid(const VdbContent& content) {
     };
     fill<openvdb::Vec3SGrid>(content, openvdb::Vec3s(-777), value_at, *grid);
   } else if (content.number) {
-    fill<openvdb::FloatGrid>(
-        content, -777.0f, [&](const Vector3d& at) { return float(content.number(at)); }, *grid);
+    fill<openvdb::FloatGrid>(content, -777.0f, [&](const Vector3d& at) { return float(content.number(at)); }, *grid);
   }
   return grid;
 }
