@@ -4,7 +4,7 @@
 // Contact i  n.w_i + bias_i >= 0  perp  n.z_i >= 0;   |z_t| <= friction n.z and z_t opposes w_t (Coulomb's cone)
 // Limit e    w_e >= 0             perp  z_e >= 0
 //
-// z: the unknowns, 3 world components of force [N] (or impulse [N s]) per contact, then one multiplier per limit;  W: #z x #z
+// z: the unknowns, 3 world components of force [N] per contact, then one multiplier per limit;  W: #z x #z
 // a >= 0  perp  b >= 0:  both hold and a b = 0
 #pragma once
 

@@ -1,6 +1,7 @@
 // The program as a script sees it: exit codes, messages, files.
 #include <algorithm>
 
+#include "scenes/scene_key_table.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
 
@@ -42,6 +43,14 @@ TEST_CASE("help, version and scenes go to standard output and exit with 0") {
     CHECK(!result.output.empty());
     CHECK(result.messages.empty());
   }
+}
+
+TEST_CASE("umax help scene tells every key that a scene may have") {
+  const ProcessResult result = umax_program({"help", "scene"});
+  CHECK(result.exit_code == 0);
+  CHECK(result.output == scene_key_help());
+  for (const char* key : {"drop_height", "limit.stretch", "solver", "camera"})
+    CHECK(result.output.find(key) != std::string::npos);
 }
 
 TEST_CASE("the built-in scenes are listed one a line with what they are") {

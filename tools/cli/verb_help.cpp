@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "scenes/scene_key_table.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/help_text.h"
 #include "tools/cli/man_page.h"
@@ -10,8 +11,8 @@
 namespace umax {
 namespace {
 
-std::vector<std::string> verb_names() {
-  std::vector<std::string> names;
+std::vector<std::string> topics() {
+  std::vector<std::string> names{"scene"};
   for (const Verb& verb : verbs()) names.push_back(verb.name);
   return names;
 }
@@ -22,7 +23,8 @@ std::string text_of(const Options& options) {
     throw Error(Fault::usage, {.what = "umax help takes one verb, --man or --completion", .remedy = "see umax help"});
   if (options.man) return man_page();
   if (options.completion) return *options.completion == "zsh" ? zsh_completion() : bash_completion();
-  return options.inputs.empty() ? help_text() : help_text(options.inputs.front());
+  if (options.inputs.empty()) return help_text();
+  return options.inputs.front() == "scene" ? scene_key_help() : help_text(options.inputs.front());
 }
 
 int help(const Options& options) {
@@ -34,13 +36,15 @@ int help(const Options& options) {
 
 Verb help_verb() {
   return {.name = "help",
-          .usage = "[VERB]",
-          .summary = "this text, or a verb's options",
+          .usage = "[VERB|scene]",
+          .summary = "this text, a verb's options, or all keys of a scene",
           .details =
-              "Tells what the program or one of its verbs does. --man prints the manual page umax(1), --completion "
+              "Tells what the program or one of its verbs does, or every key of a scene file. --man prints the manual "
+              "page umax(1), --completion "
               "what makes bash or zsh complete the words of the program.",
-          .examples = {"umax help run", "umax help --man | man -l -", "source <(umax help --completion bash)"},
-          .arguments = {.words = verb_names},
+          .examples = {"umax help run", "umax help scene", "umax help --man | man -l -",
+                       "source <(umax help --completion bash)"},
+          .arguments = {.words = topics},
           .options = {"--man", "--completion"},
           .run = help};
 }

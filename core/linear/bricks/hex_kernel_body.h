@@ -233,6 +233,7 @@ constexpr HexKernels make_kernels() {
 }
 
 extern const HexKernels kernels;
+// NOLINTNEXTLINE(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
 constexpr HexKernels kernels = make_kernels();
 
 }  // namespace umax::UMAX_SIMD

@@ -208,6 +208,7 @@ inline void sweep_slices(const SliceSweep& sweep, int first, int last) {
 }
 
 extern const MultigridKernels grid_kernels;
+// NOLINTNEXTLINE(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
 constexpr MultigridKernels grid_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
                                            restrict_nodes<1>, prolong,        block_jacobi,   turn,
                                            sweep_slices};

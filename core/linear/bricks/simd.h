@@ -150,7 +150,7 @@ UMAX_INLINE Vec<T> where_positive(Vec<T> test, Vec<T> v) {
 
 template <class T>
 UMAX_INLINE Vec<T> square_root(Vec<T> v) {
-  for (int lane = 0; lane < width<T>; ++lane) v[lane] = T(__builtin_sqrt(v[lane]));
+  for (int lane = 0; lane < width<T>; ++lane) v[lane] = T(__builtin_sqrt(double(v[lane])));
   return v;
 }
 
