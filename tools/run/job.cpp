@@ -56,7 +56,7 @@ class RecordKeeper {
   void finish_after_error(int exit_status) {
     try {
       finish(exit_status);
-    } catch (const Error&) {
+    } catch (const Error&) {  // NOLINT(bugprone-empty-catch): as the line below says
       // the disk that refuses this refused something before: that is what the user is told
     }
   }

@@ -153,7 +153,8 @@ class Reader {
   template <class T>
   T get() {
     T value;
-    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    const std::string_view bytes = take(sizeof value);
+    std::memcpy(&value, bytes.data(), bytes.size());
     return value;
   }
   std::size_t get_count(std::size_t bytes_each) {

@@ -15,8 +15,6 @@
 
 #include "core/base/error.h"
 
-extern char** environ;
-
 namespace umax {
 namespace {
 
@@ -123,7 +121,7 @@ std::optional<std::filesystem::path> find_program(const std::string& name) {
   std::string_view folders = variable != nullptr ? variable : "/usr/local/bin:/usr/bin:/bin";
   while (!folders.empty()) {
     const std::size_t end = std::min(folders.find(':'), folders.size());
-    const auto candidate = std::filesystem::path(folders.substr(0, end)) / name;
+    auto candidate = std::filesystem::path(folders.substr(0, end)) / name;
     if (::access(candidate.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(candidate)) return candidate;
     folders.remove_prefix(std::min(end + 1, folders.size()));
   }

@@ -29,7 +29,7 @@ Place place_of(const std::string& key) {
 
 /// "5 %" and "gel" stay what they are; lists, numbers and paths are the scene's.
 std::string value_of(const Scene& scene, const Override& setting, const Place& place) {
-  const std::string quoted = toml_string(setting.value);
+  std::string quoted = toml_string(setting.value);
   const bool is_quantity = setting.value.find_first_of("[{\"'") == std::string::npos &&
                            setting.value.find_first_of("0123456789") < 2 &&
                            setting.value.find_first_not_of("+-.0123456789eE") != std::string::npos;
@@ -56,8 +56,11 @@ std::string scene_snippet(const Scene& scene, const std::vector<Override>& setti
   // keys above the first table can stand nowhere else
   std::stable_partition(tables.begin(), tables.end(), [](const auto& table) { return table.first.empty(); });
   std::string text;
-  for (const auto& [header, lines] : tables)
-    text += (text.empty() ? "" : "\n") + (header.empty() ? "" : "[" + header + "]\n") + lines;
+  for (const auto& [header, lines] : tables) {
+    if (!text.empty()) text += '\n';
+    if (!header.empty()) text.append("[").append(header).append("]\n");
+    text += lines;
+  }
   return text;
 }
 
