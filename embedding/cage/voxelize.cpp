@@ -245,7 +245,8 @@ void report_connections(const Lattice& lattice, CageReport& report) {
   report.num_islands = count_sets(nodes, lattice.num_nodes());
   report.num_loose_parts = count_sets(hexes, lattice.num_hexes());
   if (report.num_islands > 1)
-    report.notes.push_back(fmt::format("the cage falls into {} parts that share no node", report.num_islands));
+    report.notes.push_back(
+        fmt::format("the cage is in {} pieces that share no node; each falls by itself", report.num_islands));
 }
 
 Lattice voxelize(const TriangleMesh& mesh, const CageOptions& options, CageReport* report) {

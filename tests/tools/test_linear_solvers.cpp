@@ -6,6 +6,7 @@
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
+#include "tests/tools/two_cubes.h"
 #include "tools/setup/simulation_setup.h"
 #include "tools/system/threads.h"
 
@@ -52,21 +53,6 @@ Outcome same_with_both(const std::string& scene, int steps) {
 std::string falling(const std::string& body) {
   return "[clip]\nfps = 60\n[body.block]\nmaterial.young = \"50 kPa\"\nfriction = 0.4\n" + body +
          "[obstacle.ground]\nshape = \"plane\"\nfriction = 0.4\n";
-}
-
-void write_two_cubes(const std::filesystem::path& path, double gap) {
-  std::string text;
-  for (const double x : {0.0, 0.2 + gap})
-    for (int v = 0; v < 8; ++v)
-      text += "v " + std::to_string(x + 0.2 * (v & 1)) + " " + std::to_string(0.2 * (v >> 1 & 1)) + " " +
-              std::to_string(0.2 * (v >> 2)) + "\n";
-  for (const int first : {1, 9})
-    for (const auto& t : {Vector3i(0, 2, 1), Vector3i(1, 2, 3), Vector3i(4, 5, 6), Vector3i(5, 7, 6), Vector3i(0, 1, 4),
-                          Vector3i(1, 5, 4), Vector3i(2, 6, 3), Vector3i(3, 6, 7), Vector3i(0, 4, 2), Vector3i(2, 4, 6),
-                          Vector3i(1, 3, 5), Vector3i(3, 7, 5)})
-      text += "f " + std::to_string(first + t[0]) + " " + std::to_string(first + t[1]) + " " +
-              std::to_string(first + t[2]) + "\n";
-  make_file(path, text);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "scenes/scene_key_table.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
+#include "tests/tools/two_cubes.h"
 
 using namespace umax;
 namespace fs = std::filesystem;
@@ -212,4 +213,13 @@ TEST_CASE("inspect gives the numbers that scripts rely on") {
   CHECK(result.output.find("\"cells\": 8") != std::string::npos);
   CHECK(result.output.find("\"nodes\": 27") != std::string::npos);
   CHECK(result.output.find("\"bodies\"") != std::string::npos);
+}
+
+TEST_CASE("inspect says once that a cage is in several pieces") {
+  const TemporaryFolder folder;
+  write_two_cubes(folder / "two.obj", 0.5);
+  const std::string text = umax_program({"inspect", (folder / "two.obj").string(), "--cells", "16"}).output;
+  const std::size_t first = text.find("2 pieces that share no node");
+  REQUIRE(first != std::string::npos);
+  CHECK(text.find("share no node", first + 27) == std::string::npos);
 }

@@ -116,9 +116,6 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
     if (*map) report.maps.push_back(**map);
   for (const auto* list : {&mesh.problems, &setup.shape.notes, &setup.cage.notes})
     report.problems.insert(report.problems.end(), list->begin(), list->end());
-  if (report.islands > 1)
-    report.problems.push_back(
-        fmt::format("the cage is in {} pieces that share no node; each falls by itself", report.islands));
   return report;
 }
 
