@@ -9,10 +9,7 @@
 namespace umax {
 namespace {
 
-constexpr double absurd_length = 1e6;  // [m]
 constexpr int most_cells = 5000000;
-constexpr Range any_length{.low = -absurd_length, .high = absurd_length};
-constexpr Range positive_length{.low = 0, .high = absurd_length, .low_open = true};
 
 // Part of the body's shape if it has that shape, else null.
 template <class Shape, class T>

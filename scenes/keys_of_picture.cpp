@@ -6,8 +6,6 @@
 namespace umax {
 namespace {
 
-constexpr Range any_length{.low = -1e6, .high = 1e6};
-
 // A colour held in double precision.
 struct LightColorKind {
   using Value = Vector3d;

@@ -4,9 +4,6 @@
 namespace umax {
 namespace {
 
-constexpr Range positive_length{.low = 0, .high = 1e6, .low_open = true};
-constexpr Range any_length{.low = -1e6, .high = 1e6};
-
 void set_shape(const SceneValue& value, ObstacleDescription& obstacle) {
   const std::string shape = WordKind{{"plane", "sphere", "box", "mesh"}}.read(value);
   if (shape == "plane") obstacle.shape = HalfSpace();

@@ -32,6 +32,9 @@ inline constexpr Range any_number{};
 inline constexpr Range positive{.low = 0, .low_open = true};
 inline constexpr Range not_negative{.low = 0};
 inline constexpr Range zero_to_one{.low = 0, .high = 1};
+inline constexpr double absurd_length = 1e6;  // [m]
+inline constexpr Range any_length{.low = -absurd_length, .high = absurd_length};
+inline constexpr Range positive_length{.low = 0, .high = absurd_length, .low_open = true};
 
 /// "0.3", or a quantity in quotes.
 struct NumberKind {

@@ -11,6 +11,7 @@
 #include "core/linear/direct/system_matrix.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
+#include "tests/support/double_operator.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/hex_systems.h"
 #include "tests/support/matrix_product.h"
@@ -30,6 +31,7 @@ VectorXd multiply_in_bricks(const HexSystem& system, const VectorXd& x, Instruct
   const HexMatrix<S> matrix = system.matrix<S>();
   AlignedArray<T> in(system.bricks.num_slots() * vector_components), out(in.size());
   to_bricks(system.node_slots, x, in);
+  using test::apply;  // in double; the library's own by its arguments
   const double xAx = apply(op, matrix, in, out);
   if (product) *product = xAx;
   VectorXd y;
@@ -111,7 +113,7 @@ TEST_CASE("a residual and a Chebyshev step are what their formulas say") {
     AlignedArray<float> rs(size);
     to_bricks(system.node_slots, x, xs);
     to_bricks(system.node_slots, b, bs);
-    const double squared = residual(op, system.matrix<double>(), bs, xs, rs);
+    const double squared = test::residual(op, system.matrix<double>(), bs, xs, rs);
     VectorXd result;
     from_bricks(system.node_slots, rs, result);
     CHECK((result - r).norm() < 1e-6 * r.norm());
@@ -139,7 +141,7 @@ TEST_CASE("a residual and a Chebyshev step are what their formulas say") {
   }
 }
 
-TEST_CASE("frames and forces from positions are those of the elements") {
+TEST_CASE("frames from positions are those of the elements") {
   for (const HexSystem& system : test::hex_systems()) {
     // stretched and turned, with noise, and one cell turned inside out
     Random random(10);
@@ -150,7 +152,7 @@ TEST_CASE("frames and forces from positions are those of the elements") {
     const Hexes& hexes = system.lattice.hexes;
     for (int n = 0; n < 4; ++n) positions.row(hexes(0, n)).swap(positions.row(hexes(0, 7 - n)));
 
-    AlignedArray<double> xs(system.bricks.num_slots() * vector_components), zero(xs.size()), out(xs.size());
+    AlignedArray<double> xs(system.bricks.num_slots() * vector_components);
     AlignedArray<float> stiffness(system.bricks.num_slots());
     to_bricks(system.node_slots, positions.reshaped<Eigen::RowMajor>(), xs);
     for (std::size_t e = 0; e < system.cell_slots.size(); ++e)
@@ -158,23 +160,16 @@ TEST_CASE("frames and forces from positions are those of the elements") {
     const HexOperator op = make_hex_operator(system.bricks, system.shape);
     HexMatrix<float> matrix = system.matrix<float>();
     set_frames(op, xs, stiffness, matrix);
-    force(op, matrix, zero, xs, out);
-    VectorXd forces, expected = VectorXd::Zero(3 * system.lattice.num_nodes());
-    from_bricks(system.node_slots, out, forces);
 
     double worst = 0;
     for (Eigen::Index e = 0; e < hexes.rows(); ++e) {
       Matrix8x3d nodes;
       for (int n = 0; n < 8; ++n) nodes.row(n) = positions.row(hexes(e, n));
       const CorotatedHex hex = corotate(system.shape, RotationEstimate::centre, nodes);
-      const Vector24d gradient = warped_gradient(system.shape.stiffness, system.stiffness[e], hex);
-      for (int n = 0; n < 8; ++n)
-        if (!system.fixed[hexes(e, n)]) expected.segment<3>(3 * hexes(e, n)) -= gradient.segment<3>(3 * n);
       const Matrix3d found = frame_at(matrix.frames, system.cell_slots[e]) / std::sqrt(system.stiffness[e]);
       worst = std::max(worst, (found - hex.rotation).cwiseAbs().maxCoeff());
     }
     INFO(system.name);
     CHECK(worst < 1e-5);
-    CHECK((forces - expected).norm() < 1e-5 * expected.norm());
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/double_operator.h"
+
 namespace umax::test {
 namespace {
 

@@ -7,6 +7,7 @@
 #include "core/step/multigrid_system.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
+#include "tests/support/double_operator.h"
 
 namespace umax::test {
 

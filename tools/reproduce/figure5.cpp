@@ -15,7 +15,7 @@ namespace {
 constexpr std::array labels{"50 kPa", "50 kPa, U ≤ 50 J"};
 constexpr std::array names{"unlimited", "limited"};
 constexpr std::array limits{"body.sphere.limit.kind=none", "body.sphere.limit.energy=50 J"};
-constexpr int num_frames = 151;
+constexpr int frames_of_ball = 151;
 
 /// What a run's body does, frame by frame.
 struct Motion {
@@ -102,7 +102,8 @@ ReportSection figure5(Workbench& bench) {
     for (std::size_t i = 0; i < labels.size(); ++i) {
       const Run run = bench.simulate(
           fmt::format("figure5-{}-{}", names[i], way.name), "collapse",
-          joined({way.settings, {limits[i], "clip.fps=100", fmt::format("clip.frames={}", num_frames)}, ball_view()}));
+          joined(
+              {way.settings, {limits[i], "clip.fps=100", fmt::format("clip.frames={}", frames_of_ball)}, ball_view()}));
       const Motion motion = motion_of(run);
       table.rows.push_back(row_of(fmt::format("{}; {}", labels[i], way.label), run, motion));
       if (way.name != ways.front().name) continue;

@@ -12,7 +12,7 @@
 namespace umax {
 namespace {
 
-constexpr int num_frames = 251;
+constexpr int frames_of_armadillo = 251;
 
 std::vector<Variant> materials(const std::string& body) {
   return {{"compliant", "500 kPa", {body + ".limit.kind=none"}},
@@ -113,7 +113,7 @@ ReportSection figure6(Workbench& bench) {
                                      joined({character.settings,
                                              body.settings,
                                              way.settings,
-                                             {"clip.fps=100", fmt::format("clip.frames={}", num_frames)}}));
+                                             {"clip.fps=100", fmt::format("clip.frames={}", frames_of_armadillo)}}));
       const LegMotion leg = leg_motion(run, character.right_leg);
       table.rows.push_back(row_of(body.label + "; " + way.label, run, leg));
       if (way.name != ways.front().name) continue;
@@ -126,7 +126,7 @@ ReportSection figure6(Workbench& bench) {
   std::vector<Tile> tiles;
   for (std::size_t i = 0; i < published.size(); ++i)
     for (const int frame : {worst - 10, worst, worst + 15, worst + 40})
-      tiles.push_back(tile_of(published[i], std::clamp(frame, 1, num_frames),
+      tiles.push_back(tile_of(published[i], std::clamp(frame, 1, frames_of_armadillo),
                               fmt::format("{}; {:.2f} s", bodies[i].label, published[i].time_of(frame))));
   const auto picture = bench.sheet("figure6", tiles, {.width = 360, .height = 400, .columns = 4, .samples = 128});
 

@@ -10,7 +10,7 @@
 namespace umax {
 namespace {
 
-constexpr int num_frames = 250;
+constexpr int timed_steps = 250;
 
 /// Means over the steps of a run, and over those with a contact or an active limit.
 struct Cost {
@@ -73,12 +73,12 @@ ReportSection performance(Workbench& bench) {
   for (const Variant& way : ways)
     runs.push_back(bench.simulate(
         "performance-" + way.name, character.scene,
-        joined({character.settings, way.settings, {"clip.fps=100", fmt::format("clip.frames={}", num_frames + 1)}})));
+        joined({character.settings, way.settings, {"clip.fps=100", fmt::format("clip.frames={}", timed_steps + 1)}})));
 
   ReportTable table{.name = "cost",
                     .caption = fmt::format("{}: {} frames of one step of 0.01 s, 500 kPa, U ≤ 100 J, from 2 m. "
                                            "“Active” are the steps with a contact or an active limit.",
-                                           character.label, num_frames),
+                                           character.label, timed_steps),
                     .columns = {{"a frame", "ms"},
                                 {"an active frame", "ms"},
                                 {"active frames"},

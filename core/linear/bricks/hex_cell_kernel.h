@@ -12,7 +12,6 @@ template <class T>
 struct Lanes {
   HexConstants<Vec<T>> hex;
   Vec<T> keep, momentum, gain;
-  Vec<T> rest[3];
   bool is_cube;
 };
 
@@ -29,7 +28,6 @@ UMAX_INLINE Lanes<T> broadcast_all(const Sweep<T, S>& sweep) {
   lanes.momentum = broadcast<T>(sweep.momentum);
   lanes.gain = broadcast<T>(sweep.gain);
   lanes.is_cube = sweep.is_cube;
-  for (int axis = 0; axis < 3; ++axis) lanes.rest[axis] = broadcast<T>(sweep.rest[axis]);
   return lanes;
 }
 
@@ -90,27 +88,14 @@ UMAX_INLINE void to_world(const S* frames, const Vec<T>* const (&u)[count], Vec<
     }
 }
 
-// from positions to displacements: less what the hex at rest has, times the frame's length sqrt(s)
-template <class T, class S>
-UMAX_INLINE void subtract_rest(const Lanes<T>& lanes, const S* frames, Vec<T> (&xyz)[3][3]) {
-  Vec<T> squared{};
-  for (int r = 0; r < 9; ++r) {
-    const Vec<T> q = load<T>(frames + r * brick_lanes);
-    squared = multiply_add(q, q, squared);
-  }
-  const Vec<T> root = square_root<T>(squared / 3);
-  for (int axis = 0; axis < 3; ++axis) xyz[axis][axis] -= root * lanes.rest[axis];
-}
-
 // K Q^T u of all modes, the last one's in the world's frame: Q K Q^T u
-template <class T, class S, Epilogue E>
+template <class T, class S>
 UMAX_INLINE void local_forces(const Lanes<T>& lanes, const S* frames, const Vec<T> (&after)[4][3],
                               const Vec<T> (&before)[4][3], Vec<T> (&forces)[8][3]) {
   const HexConstants<Vec<T>>& k = lanes.hex;
   {
     Vec<T> r[3][3];  // x, y, z
     to_local<T, S, 3>(frames, {4, 2, 1}, after, before, r);
-    if constexpr (E == Epilogue::force) subtract_rest<T>(lanes, frames, r);
     multiply_triple(k.normal, r[0][0], r[1][1], r[2][2]);
     multiply_pair(k.shear[0], r[0][1], r[1][0]);
     multiply_pair(k.shear[1], r[0][2], r[2][0]);

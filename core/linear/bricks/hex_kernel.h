@@ -29,11 +29,10 @@ enum class Epilogue {
   apply,      // out = A x; returns x . A x
   residual,   // out = b - A x; returns its squared norm
   chebyshev,  // out = keep x + momentum out + gain D^-1 (b - A x); returns b . out
-  force,      // out = b - sum_e Q_e K Q_e^T (x - R_e X), X the hex at rest: x are positions, w is no part of it
 };
-inline constexpr int num_epilogues = 4;
+inline constexpr int num_epilogues = 3;
 
-/// Arithmetic in T, the matrix stored as S.
+/// Arithmetic in T, the matrix stored as S: float here, and double in the tests, which then see more than rounding.
 template <class T, class S>
 struct Sweep {
   const Brick* bricks = nullptr;
@@ -46,7 +45,6 @@ struct Sweep {
   const float* inverse = nullptr;  // D^-1, 6 per node
   void* out = nullptr;             // T; float where the epilogue is a residual. Not x
   T keep = 0, momentum = 0, gain = 0;
-  T rest[3] = {};  // what X has in the modes x_x, y_y, z_z: 4 times the cell's size
 };
 
 /// Does the runs [first, last), a whole task, and returns the epilogue's sum.
@@ -54,9 +52,7 @@ template <class T, class S>
 using SweepFunction = double (*)(const Sweep<T, S>&, const BrickRun* first, const BrickRun* last);
 
 struct HexKernels {
-  SweepFunction<float, float> float_sweeps[num_epilogues] = {};
-  SweepFunction<double, float> mixed_sweeps[num_epilogues] = {};
-  SweepFunction<double, double> double_sweeps[num_epilogues] = {};
+  SweepFunction<float, float> sweeps[num_epilogues] = {};
 };
 
 enum class InstructionSet { portable, avx2, avx512 };

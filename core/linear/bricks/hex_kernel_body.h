@@ -1,5 +1,5 @@
-// The sweep over bricks that applies the matrix-free operator (core/linear/bricks/hex_kernel.h says what it computes):
-// hex_kernel_<instruction set>.cpp compile this one source under their own compiler options.
+// The sweep over bricks that applies the matrix-free operator (core/linear/bricks/hex_kernel.h says what it computes),
+// compiled once for each instruction set.
 #pragma once
 
 #include "core/linear/bricks/hex_cell_kernel.h"
@@ -88,13 +88,6 @@ UMAX_INLINE void finish(const Sweep<T, S>& sweep, const Lanes<T>& lanes, std::si
   using V = Vec<T>;
   const std::size_t at = vector_components * slot + lane;
   const V w = load<T>(sweep.diagonal + slot + lane);
-  if constexpr (E == Epilogue::force) {
-    for (int c = 0; c < 3; ++c) {
-      const V f = load<T>(sweep.b + at + c * brick_lanes) - y[c];
-      store<T>(static_cast<T*>(sweep.out) + at + c * brick_lanes, where_positive<T>(w, f));
-    }
-    return;
-  }
   V x[3];
   for (int c = 0; c < 3; ++c) {
     x[c] = load<T>(sweep.x + at + c * brick_lanes);
@@ -171,7 +164,7 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
 
     if (const S* frames = lines.frames[row]) {
       frames += v * width<T>;
-      local_forces<T, S, E>(lanes, frames, after, before, forces);
+      local_forces<T, S>(lanes, frames, after, before, forces);
       spread_even<T>(frames, forces, upper, carried[0], h[0]);
       end_of_stage(carried[0]);
       end_of_stage(h[0]);
@@ -215,25 +208,5 @@ double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRu
   }
   return total;
 }
-
-template <class T, class S>
-constexpr void fill(SweepFunction<T, S>* table) {
-  table[int(Epilogue::apply)] = sweep_runs<T, S, Epilogue::apply>;
-  table[int(Epilogue::residual)] = sweep_runs<T, S, Epilogue::residual>;
-  table[int(Epilogue::chebyshev)] = sweep_runs<T, S, Epilogue::chebyshev>;
-  table[int(Epilogue::force)] = sweep_runs<T, S, Epilogue::force>;
-}
-
-constexpr HexKernels make_kernels() {
-  HexKernels kernels;
-  fill<float, float>(kernels.float_sweeps);
-  fill<double, float>(kernels.mixed_sweeps);
-  fill<double, double>(kernels.double_sweeps);
-  return kernels;
-}
-
-extern const HexKernels kernels;
-// NOLINTNEXTLINE(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
-constexpr HexKernels kernels = make_kernels();
 
 }  // namespace umax::UMAX_SIMD

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <vector>
 
 #include "core/linear/bricks/brick_access.h"
@@ -22,7 +23,9 @@ struct HexMatrix {
 };
 
 template <class S>
-HexMatrix<S> make_hex_matrix(const BrickLattice& lattice);
+HexMatrix<S> make_hex_matrix(const BrickLattice& lattice) {
+  return {AlignedArray<S>(lattice.num_slots() * frame_components), AlignedArray<S>(lattice.num_slots())};
+}
 
 /// Lattice, box constants and kernels: what does not change from step to step.
 struct HexOperator {
@@ -36,13 +39,12 @@ HexOperator make_hex_operator(BrickLattice lattice, const HexShape& box,
                               InstructionSet instruction_set = best_instruction_set());
 
 /// out = A x; returns x . A x.
-template <class T, class S>
-double apply(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& x, AlignedArray<T>& out);
+double apply(const HexOperator& op, const HexMatrix<float>& matrix, const AlignedArray<float>& x,
+             AlignedArray<float>& out);
 
 /// out = b - A x; returns its squared norm (before rounding to float).
-template <class T, class S>
-double residual(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<T>& b, const AlignedArray<T>& x,
-                AlignedArray<float>& out);
+double residual(const HexOperator& op, const HexMatrix<float>& matrix, const AlignedArray<float>& b,
+                const AlignedArray<float>& x, AlignedArray<float>& out);
 
 /// Coefficients of next = keep x + momentum previous + gain D^-1 (b - A x).
 struct ChebyshevStep {
@@ -54,11 +56,6 @@ double chebyshev(const HexOperator& op, const HexMatrix<float>& matrix, const Al
                  const ChebyshevStep& step, const AlignedArray<float>& b, const AlignedArray<float>& x,
                  AlignedArray<float>& previous);
 
-/// out = external - elastic forces at these positions: sum_e s_e R_e K (R_e^T x - X).
-template <class S>
-void force(const HexOperator& op, const HexMatrix<S>& matrix, const AlignedArray<double>& external,
-           const AlignedArray<double>& positions, AlignedArray<double>& out);
-
 /// Sets the frames: R_e from the deformation gradient at each cell's centre, s_e from `stiffness` (s Y per cell [Pa]).
 void set_frames(const HexOperator& op, const AlignedArray<double>& positions, const AlignedArray<float>& stiffness,
                 HexMatrix<float>& matrix);
@@ -66,6 +63,23 @@ void set_frames(const HexOperator& op, const AlignedArray<double>& positions, co
 /// Where masks (64 per brick) have a bit set, the frame is sqrt(s) times any matrix of norm sqrt(3): makes it one of
 /// that matrix's polar factor (core/element/rotation.h).
 void resolve_frames(const std::vector<std::uint16_t>& masks, AlignedArray<float>& frames);
+
+/// Fills in what the operator and its matrix know and sweeps over the whole lattice; the epilogue's sum. `constants`: the
+/// operator's, in T.
+template <class T, class S>
+double run(const HexOperator& op, const HexConstants<T>& constants, const HexMatrix<S>& matrix,
+           SweepFunction<T, S> function, Sweep<T, S> sweep) {
+  assert(sweep.out != sweep.x);
+  sweep.bricks = op.lattice.bricks.data();
+  sweep.constants = &constants;
+  const double* trilinear = op.constants.trilinear;
+  const auto [least, most] = std::minmax({trilinear[0], trilinear[1], trilinear[2]});
+  sweep.is_cube = most - least <= 1e-14 * most;
+  sweep.frames = matrix.frames.data();
+  sweep.diagonal = matrix.diagonal.data();
+  return for_each_sweep_task(op.lattice,
+                             [&](const BrickRun* first, const BrickRun* last) { return function(sweep, first, last); });
+}
 
 /// to = from, on all threads.
 inline void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {

@@ -1,5 +1,5 @@
-// The loops that core/linear/bricks/multigrid_kernel.h declares: hex_kernel_<instruction set>.cpp compile this one
-// source under their own compiler options.
+// The loops that core/linear/bricks/hex_kernel.h and multigrid_kernel.h declare: hex_kernel_<instruction set>.cpp compile
+// this one source under their own compiler options.
 #pragma once
 
 #include "core/linear/bricks/frame_kernel.h"
@@ -207,10 +207,16 @@ inline void sweep_slices(const SliceSweep& sweep, int first, int last) {
   }
 }
 
+// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
+extern const HexKernels kernels;
+constexpr HexKernels kernels = {{sweep_runs<float, float, Epilogue::apply>,
+                                 sweep_runs<float, float, Epilogue::residual>,
+                                 sweep_runs<float, float, Epilogue::chebyshev>}};
+
 extern const MultigridKernels grid_kernels;
-// NOLINTNEXTLINE(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
 constexpr MultigridKernels grid_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
                                            restrict_nodes<1>, prolong,        block_jacobi,   turn,
                                            sweep_slices};
+// NOLINTEND(misc-definitions-in-headers)
 
 }  // namespace umax::UMAX_SIMD

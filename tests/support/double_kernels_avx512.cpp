@@ -1,0 +1,1 @@
+#include "tests/support/double_kernels_body.h"
