@@ -154,10 +154,9 @@ EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const 
 
 Embedding embed(const TriangleMesh& rest, const Lattice& lattice) {
   Embedding embedding;
-  VectorXi hex;
+  VectorXi& hex = embedding.hex;
   locate(rest.positions, lattice, hex, embedding.local);
   require_inside(rest.positions, lattice, hex, "vertex");
-  embedding.points = weighted(hex, embedding.local);
 
   // number the hexes that hold a vertex
   std::vector<int> slot_of_hex(std::size_t(lattice.num_hexes()), -1);
@@ -172,6 +171,10 @@ Embedding embed(const TriangleMesh& rest, const Lattice& lattice) {
 
   embedding.fans = make_vertex_fans(rest);
   return embedding;
+}
+
+EmbeddedPoints points_of(const Embedding& embedding) {
+  return weighted(embedding.hex, embedding.local);
 }
 
 void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes, TriangleMesh& out) {

@@ -15,7 +15,7 @@
 namespace umax {
 
 struct Embedding {
-  EmbeddedPoints points;        // #V hex and trilinear weights of every vertex
+  VectorXi hex;                 // #V that holds every vertex
   Points local;                 // #V x 3 coordinates in the vertex's hex, in [0, 1] (1e-9 beyond on faces)
   std::vector<int> slot;        // #V index into used_hexes
   std::vector<int> used_hexes;  // hexes that hold a vertex, ascending
@@ -32,6 +32,9 @@ EmbeddedPoints embed_points(const Points& points, const Lattice& lattice, const 
 
 /// Ties a mesh at rest to the lattice. Throws as embed_points() does.
 Embedding embed(const TriangleMesh& rest, const Lattice& lattice);
+
+/// The vertices with their trilinear weights.
+EmbeddedPoints points_of(const Embedding& embedding);
 
 /// Positions and unit normals of the surface for node positions (#N x 3 [m]). Only out.positions and out.normals are
 /// written (and sized on first use). The same bits for any number of threads.

@@ -42,11 +42,12 @@ double box_height(const Points& positions) {
 
 }  // namespace
 
-Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
-  Eigen::Affine3d placed_from_own = Eigen::Affine3d::Identity();
-  if (mesh.num_vertices() == 0) return placed_from_own;
+Placed place(TriangleMesh& mesh, const Placement& placement, Points* riders) {
+  Placed placed;
+  if (mesh.num_vertices() == 0) return placed;
   const auto scale_by = [&](double factor) {
-    placed_from_own.prescale(factor);
+    placed.scale *= factor;
+    placed.placed_from_own.prescale(factor);
     mesh.positions *= factor;
     if (riders) *riders *= factor;
   };
@@ -55,7 +56,7 @@ Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* ri
 
   const Matrix3d turn = rotation_from_degrees(placement.rotation_degrees) * y_up_from(placement.up.value_or("y"));
   if (turn != Matrix3d::Identity()) {
-    placed_from_own.prerotate(turn);
+    placed.placed_from_own.prerotate(turn);
     mesh.positions = (mesh.positions * turn.transpose()).eval();
     if (mesh.normals.rows() > 0) mesh.normals = (mesh.normals * turn.transpose()).eval();
     if (riders) *riders = (*riders * turn.transpose()).eval();
@@ -73,11 +74,11 @@ Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* ri
   if (placement.position) {
     const Eigen::RowVector3d centre = 0.5 * (mesh.positions.colwise().minCoeff() + mesh.positions.colwise().maxCoeff());
     const Eigen::RowVector3d by = placement.position->transpose() - centre;
-    placed_from_own.pretranslate(by.transpose());
+    placed.placed_from_own.pretranslate(by.transpose());
     mesh.positions.rowwise() += by;
     if (riders) riders->rowwise() += by;
   }
-  return placed_from_own;
+  return placed;
 }
 
 }  // namespace umax

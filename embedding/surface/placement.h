@@ -18,10 +18,15 @@ struct Placement {
   std::optional<Vector3d> position = std::nullopt;  // [m] where the centre of the bounding box goes; unset: where it is
 };
 
+/// Where the mesh has gone.
+struct Placed {
+  Eigen::Affine3d placed_from_own = Eigen::Affine3d::Identity();  // of points in the mesh's own units and axes
+  double scale = 1;                                               // [m] of one of its units
+};
+
 /// Applies, in this order: unit, up axis to +Y, rotation, height or scale (about the world's origin), position. Turns
 /// normals along. Throws Error (bad_data) for values that are not positive, an unknown axis, or a height for a mesh
-/// that is flat. riders, when given, move along: points in the mesh's own units and axes. Returns where a point of
-/// the mesh's own coordinates goes.
-Eigen::Affine3d place(TriangleMesh& mesh, const Placement& placement, Points* riders = nullptr);
+/// that is flat. riders, when given, move along: points in the mesh's own units and axes.
+Placed place(TriangleMesh& mesh, const Placement& placement, Points* riders = nullptr);
 
 }  // namespace umax

@@ -14,11 +14,11 @@ TEST_CASE("embedding weights sum to one and reproduce the vertices") {
   const TriangleMesh mesh = blob(GENERATE(1u, 2u));
   const Lattice lattice = voxelize(mesh, {.size = 200});
   const Embedding embedding = embed(mesh, lattice);
-  CHECK((embedding.points.weights.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-14);
-  CHECK(embedding.points.weights.minCoeff() > -1e-8);
-  CHECK(
-      (deform_points(embedding.points, lattice.hexes, lattice.rest_positions) - mesh.positions).cwiseAbs().maxCoeff() <
-      1e-12 * 10);
+  const EmbeddedPoints points = points_of(embedding);
+  CHECK((points.weights.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-14);
+  CHECK(points.weights.minCoeff() > -1e-8);
+  CHECK((deform_points(points, lattice.hexes, lattice.rest_positions) - mesh.positions).cwiseAbs().maxCoeff() <
+        1e-12 * 10);
 }
 
 TEST_CASE("a linear motion of the cage moves the surface linearly") {
@@ -44,7 +44,7 @@ TEST_CASE("deform agrees with the trilinear weights for any nodes") {
   for (double& x : nodes.reshaped()) x += 0.1 * double(random()) / double(random.max());
   TriangleMesh out;
   deform(embedding, lattice.hexes, nodes, out);
-  CHECK((out.positions - deform_points(embedding.points, lattice.hexes, nodes)).cwiseAbs().maxCoeff() < 1e-13);
+  CHECK((out.positions - deform_points(points_of(embedding), lattice.hexes, nodes)).cwiseAbs().maxCoeff() < 1e-13);
 }
 
 TEST_CASE("normals of a sphere stretched to an ellipsoid are the ellipsoid's, of second order in the edge") {

@@ -72,11 +72,10 @@ TEST_CASE("a surface in irregular hexes has weights that sum to one, and follows
   const Lattice lattice = crooked_lattice();
   const TriangleMesh mesh = moved(make_sphere(0.9, 4), {7, -3, 11});
   const Embedding embedding = embed(mesh, lattice);
-  CHECK((embedding.points.weights.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-14);
-  CHECK(embedding.points.weights.minCoeff() > -1e-8);
-  CHECK(
-      (deform_points(embedding.points, lattice.hexes, lattice.rest_positions) - mesh.positions).cwiseAbs().maxCoeff() <
-      1e-12);
+  const EmbeddedPoints points = points_of(embedding);
+  CHECK((points.weights.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-14);
+  CHECK(points.weights.minCoeff() > -1e-8);
+  CHECK((deform_points(points, lattice.hexes, lattice.rest_positions) - mesh.positions).cwiseAbs().maxCoeff() < 1e-12);
   Matrix3d A;
   A << 1.3, 0.2, -0.1, 0.4, 0.8, 0.3, -0.2, 0.1, 1.1;
   const Eigen::RowVector3d b(3, -2, 7);

@@ -1,0 +1,71 @@
+// The surface of a body at rest, exactly: its triangles, to measure how deep a point of the material lies and where its
+// nearest way out is.
+//
+// Sign and normal where the nearest point lies on an edge or a corner: angle-weighted pseudonormals (Baerentzen and
+// Aanaes 2005, Signed distance computation using the angle weighted pseudonormal, IEEE TVCG 11).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "core/base/types.h"
+
+namespace umax {
+
+/// Distances at the points of a grid, each found when it is first asked for: what a point is at least away from the
+/// surface costs one look-up then. The values do not depend on who asks first.
+struct DistanceCache {
+  Vector3d origin{0, 0, 0};  // [m]
+  double spacing = 0;        // [m]
+  Vector3i size{0, 0, 0};
+  std::unique_ptr<std::atomic<float>[]> values;  // [m] NaN: not asked for yet
+};
+
+/// Made by make_rest_surface(); read-only afterwards.
+struct RestSurface {
+  struct Node {                // of a bounding volume hierarchy
+    Eigen::AlignedBox3d box;   // of the triangles below
+    int first = 0, count = 0;  // leaf: in `order`; count 0: inner, its children are first and first + 1
+  };
+  Points vertices;          // #V x 3 [m]
+  Triangles triangles;      // #T x 3, counter-clockwise from outside
+  Points triangle_normals;  // #T x 3 unit
+  Points edge_normals;      // 3 #T x 3 unit pseudonormals, row 3 t + k of the edge from corner k to corner k + 1
+  Points vertex_normals;    // #V x 3 unit pseudonormals
+  std::vector<Node> nodes;  // the first is the root; none where there are no triangles
+  std::vector<int> order;   // triangles, by leaf
+  DistanceCache cache;
+};
+
+/// Triangles without area are left out. Edges that border one triangle or more than two are allowed; the sign near them
+/// is that of the triangles there.
+RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles);
+
+struct SurfaceHit {
+  int triangle = -1;                    // -1: none
+  Vector3d point = Vector3d::Zero();    // [m] nearest of the surface
+  Vector3d normal = Vector3d::UnitY();  // unit, out of the surface: the gradient of the distance
+  double distance = 0;                  // [m] negative inside
+};
+
+/// The nearest point of the surface; triangle -1 where nothing is as near as `reach` [m]. Of equally near triangles the
+/// one with the lowest index counts.
+SurfaceHit nearest_point(const RestSurface& surface, const Vector3d& point, double reach);
+
+/// Bounds of the signed distance [m] at a point, from one of the grid's near it.
+struct DistanceBounds {
+  double low = 0, high = 0;
+};
+DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point);
+
+/// nearest_point() among the triangles whose normals have at least this cosine with a direction (unit): the side of a
+/// thin wall that a point came through.
+SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
+                         double reach);
+
+/// The first triangle that the segment crosses from its front to its back; -1: none.
+int first_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to);
+
+}  // namespace umax
