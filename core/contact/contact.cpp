@@ -6,7 +6,9 @@
 
 #include "core/base/parallel.h"
 #include "core/contact/contact_detection.h"
+#include "core/contact/contact_support.h"
 #include "core/contact/edge_contact.h"
+#include "core/contact/surface_contact.h"
 
 namespace umax {
 namespace {
@@ -20,19 +22,12 @@ Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point
   return nodes.transpose() * model.surface.weights.row(point).transpose();
 }
 
-// depths [m] that a vertex may have at the end of the step, by how deep it was at the start
-struct AllowedDepth {
-  double deep = 0;     // of a start beyond the tolerance: pushed out at a bounded speed, not at once
-  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work, up to a share
-};
-
-AllowedDepth allowed_depth(const ContactStep& step, int obstacle, const Support& support) {
+AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& support) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, support);
   const double depth =
       -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
-  const double tolerance = tolerance_depth(*step.model, support.hex);
-  if (depth <= tolerance) return {0, std::clamp(depth, 0.0, kept_share * tolerance)};
-  return {std::max(0.0, depth - step.recovery[step.model->hex_body[support.hex]]), 0};
+  return allowed_depth(depth, tolerance_depth(*step.model, support.hex),
+                       step.recovery[step.model->hex_body[support.hex]]);
 }
 
 // distance of a vertex at the end of the step and the outward direction, in the world
@@ -46,7 +41,7 @@ DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
   const Vector3d position = embedded_position(*step.model, positions, contact.support);
   const DistanceSample sample = end_distance(step, contact.obstacle, position);
-  const AllowedDepth allowed = allowed_depth(step, contact.obstacle, contact.support);
+  const AllowedDepth allowed = allowance(step, contact.obstacle, contact.support);
   contact.gap = sample.distance + allowed.deep + allowed.shallow;
   contact.position = position;
   contact.normal = sample.gradient;
@@ -59,12 +54,17 @@ void place(const ContactStep& step, const Points& positions, Contact& contact) {
       return place_vertex_contact(step, positions, contact);
     case ContactKind::obstacle_edge:
       return place_edge_contact(step, positions, contact);
+    case ContactKind::surface:
+      return;  // by place_surface_contacts(), all at once
   }
 }
 
-bool in_set(const std::vector<Contact>& contacts, std::size_t count, const ContactPoint& point, int obstacle) {
+// does the point touch the same obstacle or body in one of the first contacts?
+bool in_set(const Model& model, const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
   for (std::size_t i = 0; i < count; ++i)
-    if (contacts[i].point == point && contacts[i].obstacle == obstacle) return true;
+    if (contacts[i].point == contact.point && contacts[i].obstacle == contact.obstacle &&
+        bodies_of(model, contacts[i]).second == bodies_of(model, contact).second)
+      return true;
   return false;
 }
 
@@ -82,7 +82,7 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
     const int point = geometry.hex_points[k];
     double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
     if (gap < deepest.gap - tie)
-      gap += allowed_depth(step, obstacle, {hex, model.surface.weights.row(point).transpose()}).deep;
+      gap += allowance(step, obstacle, {hex, model.surface.weights.row(point).transpose()}).deep;
     if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
   }
   return deepest.point.index >= 0;
@@ -97,6 +97,7 @@ std::vector<ContactCandidate> vertex_candidates(const ContactStep& step, const P
       if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
       const BoundingSphere sphere = bounding_sphere(nodes);
+      if (!touches_obstacles(model, model.hex_body[hex])) continue;
       ContactCandidate candidate;
       for (int obstacle = 0; obstacle < int(model.obstacles.size()); ++obstacle)
         if (deepest_vertex(step, nodes, sphere, hex, obstacle, share * tolerance_depth(model, hex), candidate))
@@ -117,6 +118,11 @@ double recovery_speed(const Model::BodyRange& body, double gravity, double time)
 
 }  // namespace
 
+AllowedDepth allowed_depth(double depth, double tolerance, double recovery) {
+  if (depth <= tolerance) return {0, std::clamp(depth, 0.0, kept_share * tolerance)};
+  return {std::max(0.0, depth - recovery), 0};
+}
+
 double tolerance_depth(const Model& model, int hex) {
   return penetration_tolerance * model.bodies[model.hex_body[hex]].cell_size;
 }
@@ -132,10 +138,19 @@ Contact make_contact(const Model& model, const ContactPoint& point, int obstacle
   contact.point = point;
   contact.obstacle = obstacle;
   contact.support.hex = hex;
-  contact.support.weights = point.kind == ContactKind::vertex
-                                ? Vector8d(model.surface.weights.row(point.index).transpose())
-                                : Vector8d::Constant(0.125);
-  contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
+  contact.support.weights = point.kind == ContactKind::obstacle_edge
+                                ? Vector8d::Constant(0.125)
+                                : Vector8d(model.surface.weights.row(point.index).transpose());
+  if (obstacle >= 0)
+    contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
+  return contact;
+}
+
+Contact make_surface_contact(const Model& model, int vertex, int hex, int other_hex) {
+  Contact contact = make_contact(model, {ContactKind::surface, vertex}, -1, hex);
+  contact.other = {other_hex, Vector8d::Constant(0.125)};
+  contact.normal.setZero();
+  contact.friction = friction_between(model, model.hex_body[hex], model.hex_body[other_hex]);
   return contact;
 }
 
@@ -153,11 +168,12 @@ ContactGeometry make_contact_geometry(const Model& model) {
   for (const Obstacle& obstacle : model.obstacles) {
     geometry.edges.push_back(edge_points(obstacle.shape, cell_size / 6));
   }
+  geometry.touchable = find_touchable(model);
   return geometry;
 }
 
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
-                               double time_t0, double time_step, double gravity) {
+                               const Points& expected, double time_t0, double time_step, double gravity) {
   ContactStep step;
   step.model = &model;
   step.geometry = &geometry;
@@ -168,19 +184,27 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   }
   for (const Model::BodyRange& body : model.bodies)
     step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
+  if (geometry.touchable.any())
+    step.encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin);
   return step;
 }
 
 void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) place(step, positions, contact);
+  place_surface_contacts(step, positions, contacts);
 }
 
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) {
-    const Vector3d position = embedded_position(*step.model, positions, contact.support);
-    contact.gap += contact.normal.dot(position - contact.position);
-    contact.position = position;
+    follow(*step.model, positions, contact);
+    if (contact.between_bodies()) keep_at_vertex(*step.model, positions, contact);
   }
+}
+
+void follow(const Model& model, const Points& positions, Contact& contact) {
+  const Vector3d position = contact_position(model, positions, contact);
+  contact.gap += contact.normal.dot(position - contact.position);
+  contact.position = position;
 }
 
 int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts) {
@@ -189,10 +213,13 @@ int add_contacts(const ContactStep& step, const Points& positions, double share,
   const std::vector<ContactCandidate> edges = edge_candidates(step, positions, share);
   candidates.insert(candidates.end(), edges.begin(), edges.end());
   for (const ContactCandidate& candidate : candidates) {
-    if (in_set(contacts, known, candidate.point, candidate.obstacle)) continue;
-    contacts.push_back(make_contact(*step.model, candidate.point, candidate.obstacle, candidate.hex));
-    place(step, positions, contacts.back());
+    Contact contact = make_contact(*step.model, candidate.point, candidate.obstacle, candidate.hex);
+    if (in_set(*step.model, contacts, known, contact)) continue;
+    place(step, positions, contact);
+    contacts.push_back(contact);
   }
+  for (const Contact& contact : surface_candidates(step, positions, share))
+    if (!in_set(*step.model, contacts, known, contact)) contacts.push_back(contact);
   return int(contacts.size() - known);
 }
 
@@ -201,6 +228,7 @@ std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& pos
   std::vector<int> near;
   for (int hex = 0; hex < int(model.num_hexes()); ++hex) {
     if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
+    if (!touches_obstacles(model, model.hex_body[hex])) continue;
     const BoundingSphere sphere = bounding_sphere(hex_nodes(model, positions, hex));
     const double reach = sphere.radius + margin * model.bodies[model.hex_body[hex]].cell_size;
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
@@ -221,6 +249,7 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
     double& block_deepest = deepest[begin / hexes_per_block];
     for (int hex = int(begin); hex < int(end); ++hex) {
       if (geometry.hex_starts[hex] == geometry.hex_starts[hex + 1]) continue;
+      if (!touches_obstacles(model, model.hex_body[hex])) continue;
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
       const BoundingSphere sphere = bounding_sphere(nodes);
       for (std::size_t o = 0; o < poses.size(); ++o) {

@@ -1,18 +1,20 @@
-// Contact between embedded surfaces and obstacles: which points touch, where, how deep.
+// Contact of embedded surfaces with obstacles and with each other: which points touch, where, how deep.
 //
 // Unilateral constraint   g_i(x) >= 0
 // Linearised              g_i + n . J_i dx >= 0
 //
-// g_i: signed distance of surface point i to an obstacle at the step's end [m];  n: unit normal out of the obstacle [-]
-// dx:  change of the node positions [m];  J_i: the 8 trilinear weights of the point in its hex [-]
+// g_i: signed distance of surface point i to what it touches at the step's end [m];  n: unit normal out of that [-]
+// dx:  change of the node positions [m];  J_i: the 8 trilinear weights of the point in its hex, and less those of the
+//      touched place in its own hex, where a body is touched [-]
 //
 // All surface vertices are candidates, and sample points along the obstacles' edges against the body's surface. For the
-// solve they are clustered: the deepest one per hex and obstacle joins the working set, again and again, until none of
-// the others lies deeper than the tolerance.
+// solve they are clustered: the deepest one per hex and obstacle or touched body joins the working set, again and
+// again, until none of the others lies deeper than the tolerance.
 #pragma once
 
 #include <vector>
 
+#include "core/contact/encounters.h"
 #include "core/model/model.h"
 
 namespace umax {
@@ -23,21 +25,28 @@ struct Support {
   Vector8d weights = Vector8d::Zero();
 };
 
-/// One contact constraint of the working set.
+/// One contact constraint of the working set. Its nodes: core/contact/contact_support.h.
 struct Contact {
   ContactPoint point;
-  int obstacle = 0;                     // index into Model::obstacles
-  Support support;                      // where on the body; what follows from it: core/contact/contact_support.h
-  Vector3d normal = Vector3d::UnitY();  // world, out of the obstacle
-  double gap = 0;                       // [m] to be kept >= 0: distance and the depth still allowed
-  double friction = 0;                  // [-]
+  int obstacle = -1;                            // index into Model::obstacles; -1: a body is touched
+  Support support;                              // where on the body that the point belongs to
+  Support other;                                // what it touches, where a body is touched
+  Vector3d normal = Vector3d::UnitY();          // world, out of what is touched
+  double gap = 0;                               // [m] to be kept >= 0: distance and the depth still allowed
+  double friction = 0;                          // [-]
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
-  Vector3d position = Vector3d::Zero();         // [m] world, of the body's point when gap was taken
-  Vector3d force = Vector3d::Zero();            // [N] world, on the body
+  Vector3d position = Vector3d::Zero();         // [m] world, of the point against what is touched, when gap was taken
+  Vector3d force = Vector3d::Zero();            // [N] world, on the body; the other body has it reversed
+
+  bool between_bodies() const { return obstacle < 0; }
 };
 
 /// A contact of the point, which the hex holds, in no place yet: update_contacts() gives it one.
 Contact make_contact(const Model& model, const ContactPoint& point, int obstacle, int hex);
+
+/// The same of a vertex against a body's surface, which the other hex belongs to. Its normal is zero until
+/// place_surface_contacts() finds a place for it.
+Contact make_surface_contact(const Model& model, int vertex, int hex, int other_hex);
 
 /// Sample points along an obstacle's edges and corners, in its own frame.
 struct EdgePoints {
@@ -50,6 +59,7 @@ struct ContactGeometry {
   std::vector<int> hex_starts;    // #E + 1 into hex_points
   std::vector<int> hex_points;    // surface vertices by hex
   std::vector<EdgePoints> edges;  // per obstacle
+  TouchableBodies touchable;
 };
 ContactGeometry make_contact_geometry(const Model& model);
 
@@ -60,9 +70,19 @@ struct ContactStep {
   std::vector<Pose> poses_t0, poses_t1;  // per obstacle
   Points positions_t0;                   // #N x 3 [m]
   std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
+  Encounters encounters;                 // of hexes, where the bodies are expected
 };
+/// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
-                               double time_t0, double time_step, double gravity);
+                               const Points& expected, double time_t0, double time_step, double gravity);
+
+/// Depths [m] that a vertex may have at the end of the step, by how deep it was at the start.
+struct AllowedDepth {
+  double deep = 0;     // of a start beyond the tolerance: pushed out at a bounded speed, not at once
+  double shallow = 0;  // of a start within it: left as it is, since pushing it out would do work, up to a share
+};
+/// recovery: [m] by which a vertex is pushed out in the step.
+AllowedDepth allowed_depth(double depth, double tolerance, double recovery);
 
 /// Depth [m] below which a vertex of the hex counts as touching, not as penetrating: a thousandth of its body's cells.
 double tolerance_depth(const Model& model, int hex);
@@ -73,15 +93,16 @@ void update_contacts(const ContactStep& step, const Points& positions, std::vect
 /// Refreshes the gaps along the normals that the contacts have; normals and places stay. For iterations that would
 /// otherwise flip for ever between two faces at an edge: staying outside one face's plane is staying outside.
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+void follow(const Model& model, const Points& positions, Contact& contact);
 
-/// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the
+/// Appends, for each hex and obstacle or touched body, the deepest point with gap < -share * tolerance_depth that is not yet in the
 /// set. share 0: every touching hex. Returns the number added.
 int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts);
 
 /// The hexes with surface vertices that are within a margin [cells of their body] of an obstacle at the step's end.
 std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin);
 
-/// The deepest surface vertex at the given time [m], 0 if none penetrates.
+/// The deepest surface vertex in an obstacle at the given time [m], 0 if none penetrates.
 double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time);
 
 /// Position of a point of a body.

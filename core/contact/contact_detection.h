@@ -8,6 +8,9 @@
 
 namespace umax {
 
+/// [cells] of its body that a node may be away from where it was expected before hexes that may touch are looked for anew.
+inline constexpr double encounter_margin = 0.15;
+
 /// A point that may join the working set.
 struct ContactCandidate {
   ContactPoint point;  // this and the next two as in Contact

@@ -1,8 +1,9 @@
 #include "core/contact/edge_contact.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "core/contact/material_point.h"
 
 namespace umax {
 namespace {
@@ -18,37 +19,13 @@ struct EdgeHit {
   Vector3d normal = Vector3d::UnitY();
 };
 
-// a hex and this much of its size around it: trilinear maps continue there
-constexpr double own = 1 + 1e-9, around = 2;
-
-// local coordinates s with sum_n N_n(s) x_n = point, by Newton's method; false if |s| > reach
-bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, double reach, Vector3d& s) {
-  s.setZero();
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Vector3d residual = nodes.transpose() * shape_functions(s) - point;
-    const Matrix3d jacobian = nodes.transpose() * shape_gradients(s);
-    if (!(std::abs(jacobian.determinant()) > 0)) return false;
-    const Vector3d change = jacobian.inverse() * residual;
-    s -= change;
-    if (!(s.cwiseAbs().maxCoeff() < 4)) return false;
-    if (change.cwiseAbs().maxCoeff() < 1e-12) return s.cwiseAbs().maxCoeff() <= reach;
-  }
-  return false;
-}
-
 // phi(X(P)): rest distance of the material at P; moving the material by n moves phi by -|F^-T grad phi|
 bool edge_hit(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach, EdgeHit& hit) {
-  const Matrix8x3d nodes = hex_nodes(model, positions, hex);
-  Vector3d s;
-  if (!invert_trilinear(nodes, point, reach, s)) return false;
-  const Matrix8x3d rest = hex_nodes(model, model.rest_positions, hex);
-  hit.weights = shape_functions(s);
-  const SampledDistance& distance = *model.bodies[model.hex_body[hex]].rest_distance;
-  const DistanceSample phi = signed_distance(distance, rest.transpose() * hit.weights);
-  const Matrix8x3d gradients = shape_gradients(s);
-  const Matrix3d F = (nodes.transpose() * gradients) * (rest.transpose() * gradients).inverse();
-  if (!(F.determinant() > 0)) return false;
-  const Vector3d pulled = F.inverse().transpose() * phi.gradient;
+  MaterialPoint material;
+  if (!find_material(model, positions, hex, point, reach, material)) return false;
+  const DistanceSample phi = signed_distance(*model.bodies[model.hex_body[hex]].rest_distance, material.rest);
+  const Vector3d pulled = material.F_inverse.transpose() * phi.gradient;
+  hit.weights = material.weights;
   hit.gap = phi.distance / pulled.norm();
   hit.normal = -pulled.normalized();
   return true;
@@ -78,7 +55,7 @@ int holding_hex(const ContactStep& step, const Points& positions, const Model::B
   for (int i = 0; i < body.num_hexes; ++i) {
     if ((point - spheres[i].centre).squaredNorm() > spheres[i].radius * spheres[i].radius) continue;
     const int hex = body.first_hex + i;
-    if (edge_hit(*step.model, positions, hex, point, own, hit)) return hex;
+    if (edge_hit(*step.model, positions, hex, point, within_hex, hit)) return hex;
   }
   return -1;
 }
@@ -136,7 +113,7 @@ std::vector<ContactCandidate> edge_candidates(const ContactStep& step, const Poi
   const Model& model = *step.model;
   std::vector<ContactCandidate> deepest;
   for (const Model::BodyRange& body : model.bodies) {
-    if (!body.rest_distance) continue;
+    if (!body.rest_distance || body.contact == ContactWith::none) continue;
     const auto nodes = positions.middleRows(body.first_node, body.num_nodes);
     const Vector3d low = nodes.colwise().minCoeff().transpose(), high = nodes.colwise().maxCoeff().transpose();
     std::vector<BoundingSphere> spheres;  // made when the first edge point comes near
@@ -159,12 +136,12 @@ void place_edge_contact(const ContactStep& step, const Points& positions, Contac
   const WorldEdge edge = world_edge(step, contact.obstacle, contact.point.index);
   contact.obstacle_motion = obstacle_point_motion(step, contact.obstacle, edge.point);
   EdgeHit hit;
-  bool found = edge_hit(*step.model, positions, contact.support.hex, edge.point, own, hit);
+  bool found = edge_hit(*step.model, positions, contact.support.hex, edge.point, within_hex, hit);
   if (!found) {
     const Model::BodyRange& body = step.model->bodies[step.model->hex_body[contact.support.hex]];
     const int hex = holding_hex(step, positions, body, bounding_spheres(*step.model, positions, body), edge.point, hit);
     if (hex >= 0) contact.support.hex = hex;
-    found = hex >= 0 || edge_hit(*step.model, positions, contact.support.hex, edge.point, around, hit);
+    found = hex >= 0 || edge_hit(*step.model, positions, contact.support.hex, edge.point, around_hex, hit);
   }
   if (!found) {  // far away: the gap to where it last was
     const Vector3d material = embedded_position(*step.model, positions, contact.support);

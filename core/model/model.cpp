@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/model/filling.h"
@@ -90,10 +91,13 @@ void append(const Body& body, Model& model) {
   range.limit = body.limit;
   range.part_limits = body.part_limits;
   range.friction = body.friction;
+  range.contact = body.contact;
   range.cell_size = smallest_edge(body.lattice);
   range.cells = body.lattice.cells;
   range.cell_edges = body.lattice.cell_size;
   range.rest_distance = body.rest_distance;
+  range.rest_surface = body.rest_surface;
+  range.rest_pose = body.rest_pose;
   model.bodies.push_back(range);
 
   model.rest_positions.conservativeResize(node + num_nodes, 3);
@@ -135,9 +139,15 @@ void group_corners(Model& model) {
     for (int n = 0; n < 8; ++n) model.corners[next[model.hexes(e, n)]++] = 8 * e + n;
 }
 
+const BodyPair* pair_of(const Model& model, int a, int b) {
+  for (const BodyPair& pair : model.pairs)
+    if ((pair.a == a && pair.b == b) || (pair.a == b && pair.b == a)) return &pair;
+  return nullptr;
+}
+
 }  // namespace
 
-Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles) {
+Model make_model(std::vector<Body> bodies, const std::vector<Obstacle>& obstacles, const std::vector<BodyPair>& pairs) {
   Model model;
   model.rest_positions.resize(0, 3);
   model.initial_velocities.resize(0, 3);
@@ -145,11 +155,103 @@ Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& o
   model.surface.weights.resize(0, 8);
   model.fibre_directions.resize(0, 3);
   model.limit_starts.setZero(1);
-  for (const Body& body : bodies) append(body, model);
+  for (Body& body : bodies) append(std::exchange(body, {}), model);
   group_corners(model);
   for (const Obstacle& obstacle : obstacles) validate(obstacle);
   model.obstacles = obstacles;
+  model.pairs = pairs;
   return model;
+}
+
+Model part_of(const Model& model, const std::vector<int>& bodies) {
+  Model part;
+  int num_nodes = 0, num_hexes = 0, num_points = 0;
+  for (const int b : bodies) {
+    Model::BodyRange body = model.bodies[b];
+    body.first_node = num_nodes, num_nodes += body.num_nodes;
+    body.first_hex = num_hexes, num_hexes += body.num_hexes;
+    body.first_point = num_points, num_points += body.num_points;
+    part.bodies.push_back(body);
+  }
+  part.obstacles = model.obstacles;
+  part.limit_forms = model.limit_forms;
+  for (BodyPair pair : model.pairs) {
+    const auto a = std::find(bodies.begin(), bodies.end(), pair.a), b = std::find(bodies.begin(), bodies.end(), pair.b);
+    if (a == bodies.end() || b == bodies.end()) continue;
+    pair.a = int(a - bodies.begin()), pair.b = int(b - bodies.begin());
+    part.pairs.push_back(pair);
+  }
+  part.rest_positions.resize(num_nodes, 3);
+  part.initial_velocities.resize(num_nodes, 3);
+  part.node_mass.resize(num_nodes);
+  part.hexes.resize(num_hexes, 8);
+  part.hex_shape.resize(num_hexes);
+  part.hex_body.resize(num_hexes);
+  part.young_factor.resize(num_hexes);
+  part.limit_factor.resize(num_hexes);
+  part.fibre_directions.resize(num_hexes, 3);
+  part.limit_starts.setZero(1);
+  part.surface.hex.resize(num_points);
+  part.surface.weights.resize(num_points, 8);
+  std::vector<int> shapes(model.shapes.size(), -1);  // there to here
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Model::BodyRange &from = model.bodies[bodies[i]], &to = part.bodies[i];
+    const auto nodes = [&](auto& here, const auto& there) {
+      here.middleRows(to.first_node, to.num_nodes) = there.middleRows(from.first_node, from.num_nodes);
+    };
+    const auto hexes = [&](auto& here, const auto& there) {
+      here.middleRows(to.first_hex, to.num_hexes) = there.middleRows(from.first_hex, from.num_hexes);
+    };
+    nodes(part.rest_positions, model.rest_positions);
+    nodes(part.initial_velocities, model.initial_velocities);
+    nodes(part.node_mass, model.node_mass);
+    const auto fixed = model.node_fixed.begin() + from.first_node;
+    part.node_fixed.insert(part.node_fixed.end(), fixed, fixed + from.num_nodes);
+    hexes(part.young_factor, model.young_factor);
+    hexes(part.limit_factor, model.limit_factor);
+    hexes(part.fibre_directions, model.fibre_directions);
+    hexes(part.hexes, model.hexes);
+    part.hexes.middleRows(to.first_hex, to.num_hexes).array() += to.first_node - from.first_node;
+    part.hex_body.segment(to.first_hex, to.num_hexes).setConstant(int(i));
+    part.surface.weights.middleRows(to.first_point, to.num_points) =
+        model.surface.weights.middleRows(from.first_point, from.num_points);
+    part.surface.hex.segment(to.first_point, to.num_points) =
+        model.surface.hex.segment(from.first_point, from.num_points).array() + (to.first_hex - from.first_hex);
+    part.limit_starts.conservativeResize(to.first_hex + to.num_hexes + 1);
+    for (int e = 0; e < to.num_hexes; ++e) {
+      int& shape = shapes[model.hex_shape[from.first_hex + e]];
+      if (shape < 0) {
+        shape = int(part.shapes.size());
+        part.shapes.push_back(model.shapes[model.hex_shape[from.first_hex + e]]);
+      }
+      part.hex_shape[to.first_hex + e] = shape;
+      for (int l = model.limit_starts[from.first_hex + e]; l < model.limit_starts[from.first_hex + e + 1]; ++l) {
+        part.limits.push_back(model.limits[l]);
+        part.limits.back().hex = to.first_hex + e;
+      }
+      part.limit_starts[to.first_hex + e + 1] = int(part.limits.size());
+    }
+  }
+  group_corners(part);
+  return part;
+}
+
+bool may_touch(const Model& model, int a, int b) {
+  if (const BodyPair* pair = pair_of(model, a, b)) return pair->touch;
+  const auto allows = [&](int body) {
+    const ContactWith with = model.bodies[body].contact;
+    return with == ContactWith::all || (with == ContactWith::others && a != b);
+  };
+  return allows(a) && allows(b);
+}
+
+bool touches_obstacles(const Model& model, int body) {
+  return model.bodies[body].contact != ContactWith::none;
+}
+
+double friction_between(const Model& model, int a, int b) {
+  const BodyPair* pair = pair_of(model, a, b);
+  return pair && pair->friction ? *pair->friction : std::max(model.bodies[a].friction, model.bodies[b].friction);
 }
 
 double young_at(const Model& model, Eigen::Index hex, double time) {

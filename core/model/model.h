@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/model/embedded_points.h"
 #include "core/model/lattice.h"
 #include "core/model/obstacle.h"
+#include "core/model/rest_surface.h"
 
 namespace umax {
 
@@ -55,6 +57,21 @@ struct MaterialOptions {
 EnergyLimitOptions& limit_on(EnergyLimitOptions& whole, PartLimitOptions& parts, EnergyPart part);
 const EnergyLimitOptions& limit_on(const EnergyLimitOptions& whole, const PartLimitOptions& parts, EnergyPart part);
 
+/// What a body collides with.
+enum class ContactWith {
+  all,        // bodies, obstacles and itself
+  others,     // bodies and obstacles, not itself
+  obstacles,  // these alone, as in the paper
+  none,
+};
+
+/// An exception for two bodies, or for a body with itself (a == b).
+struct BodyPair {
+  int a = 0, b = 0;                // indices into Model::bodies
+  bool touch = true;               // whatever their ContactWith says
+  std::optional<double> friction;  // [-] none: the larger of the two
+};
+
 /// One body as the caller describes it to make_model().
 struct Body {
   std::string name;
@@ -62,7 +79,8 @@ struct Body {
   MaterialOptions material;
   EnergyLimitOptions limit;  // on the whole energy
   PartLimitOptions part_limits;
-  double friction = 0.5;         // [-]
+  double friction = 0.5;  // [-]
+  ContactWith contact = ContactWith::all;
   Vector3d velocity{0, 0, 0};    // [m/s]
   Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
   std::vector<int> fixed_nodes;  // lattice nodes that stay put
@@ -73,6 +91,10 @@ struct Body {
   Points surface_rest;           // #P x 3 [m] their rest positions
   std::shared_ptr<const SampledDistance>
       rest_distance;  // of the rest surface; may be null: obstacle edges pass through
+  // what others hit, in the frame of which rest_pose is the place in the world at time 0; null: they pass through it,
+  // and it touches them by its vertices alone
+  std::shared_ptr<const RestSurface> rest_surface;
+  Pose rest_pose;
 };
 
 /// One constraint 1 - U/U_max >= 0 on an energy of a hex.
@@ -94,12 +116,16 @@ struct Model {
     EnergyLimitOptions limit;
     PartLimitOptions part_limits;
     double friction = 0;
+    ContactWith contact = ContactWith::all;
     double cell_size = 0;          // [m] smallest edge of its hexes: the unit of contact tolerances
     Cells cells;                   // #E of the body x 3 grid coordinates; empty: an irregular mesh
     Vector3d cell_edges{0, 0, 0};  // [m] of a regular lattice
     std::shared_ptr<const SampledDistance> rest_distance;
+    std::shared_ptr<const RestSurface> rest_surface;
+    Pose rest_pose;
   };
   std::vector<BodyRange> bodies;
+  std::vector<BodyPair> pairs;  // exceptions
   std::vector<Obstacle> obstacles;
 
   Points rest_positions;         // #N x 3 [m]
@@ -128,8 +154,22 @@ struct Model {
 void validate(const Body& body);
 void validate(const Obstacle& obstacle);
 
-/// Validates all of them.
-Model make_model(const std::vector<Body>& bodies, const std::vector<Obstacle>& obstacles);
+/// Validates all of them. A body is given up as soon as it is in the model.
+Model make_model(std::vector<Body> bodies, const std::vector<Obstacle>& obstacles,
+                 const std::vector<BodyPair>& pairs = {});
+
+/// The model of some of its bodies (ascending), whose nodes, hexes, points and limits follow each other as before.
+Model part_of(const Model& model, const std::vector<int>& bodies);
+
+/// May the surfaces of two bodies touch, or those of a body's own parts (a == b)? Both have to allow it, unless a pair
+/// says otherwise.
+bool may_touch(const Model& model, int a, int b);
+
+/// Does the body touch obstacles?
+bool touches_obstacles(const Model& model, int body);
+
+/// Coulomb's coefficient [-] between two bodies.
+double friction_between(const Model& model, int a, int b);
 
 /// Young's modulus [Pa] of a hex at a time [s], and U_max [J] of a part of its energy (infinity: none).
 double young_at(const Model& model, Eigen::Index hex, double time);
@@ -138,6 +178,7 @@ double energy_limit_at(const Model& model, Eigen::Index hex, double time, Energy
 enum class ContactKind {
   vertex,         // a vertex of a body's surface against the obstacle
   obstacle_edge,  // a point on the obstacle's edges against the body's surface
+  surface,        // a vertex of a body's surface against a body's surface, its own perhaps
 };
 
 /// Which point it is that touches.
@@ -152,8 +193,9 @@ struct State {
   /// Impulse of a contact of the last step, for warm starts.
   struct ContactImpulse {
     ContactPoint point;
-    int obstacle = -1;
+    int obstacle = -1;                    // -1: a body
     int hex = -1;                         // that held it
+    int other_hex = -1;                   // of the body that was touched, if one was; it held the touched point
     Vector3d impulse = Vector3d::Zero();  // [N s] world
   };
   double time = 0;             // [s]

@@ -28,45 +28,52 @@ double cone_residual(const StepProblem& problem, const Points& positions, const 
   return std::max(std::abs(normal), friction.cwiseAbs().maxCoeff());
 }
 
-// what moves the heaviest node by the negligible distance
-double negligible_force(const StepProblem& problem) {
-  double largest = 0;
-  for (const Model::BodyRange& body : problem.model->bodies)
-    largest = std::max(largest, problem.model->node_mass.segment(body.first_node, body.num_nodes).maxCoeff() *
-                                    negligible_motion * body.cell_size / (problem.h * problem.h));
-  return largest;
+// what moves the body's heaviest node by the negligible distance
+double negligible_force(const StepProblem& problem, const Model::BodyRange& body) {
+  return problem.model->node_mass.segment(body.first_node, body.num_nodes).maxCoeff() * negligible_motion *
+         body.cell_size / (problem.h * problem.h);
 }
 
-// of a Lagrangian's gradient at free nodes: the largest component of the sum, and of any kind of force
+// of a Lagrangian's gradient at a body's free nodes: the largest component of the sum, and of any kind of force
 struct LargestForces {
   double sum = 0, of_any_kind = 0;
 };
 
-LargestForces largest_forces(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
-                             const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+// per body; push: 3 #N [N] of contacts
+std::vector<LargestForces> largest_forces(const StepProblem& problem, const Evaluation& evaluation,
+                                          const Points& positions, const VectorXd& limit_factors,
+                                          const VectorXd& push) {
   const Model& model = *problem.model;
-  VectorXd contact = VectorXd::Zero(3 * model.num_nodes());
-  for (const Contact& c : contacts) spread(model, c, c.force, contact);
-  std::vector<LargestForces> of_blocks(std::size_t((model.num_nodes() + nodes_per_block - 1) / nodes_per_block));
-  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];
-    for (Eigen::Index node = begin; node < end; ++node) {
-      if (model.node_fixed[node]) continue;
-      const Vector3d inertia = inertia_at(problem, positions, node),
-                     weight = model.node_mass[node] * problem.options->gravity,
-                     internal = evaluation.internal.segment<3>(3 * node),
-                     limits = limits_at(model, evaluation, limit_factors, node), push = contact.segment<3>(3 * node);
-      largest.sum = std::max(largest.sum, (inertia + internal + limits - push).cwiseAbs().maxCoeff());
-      for (const Vector3d& force : {Vector3d(inertia + weight), weight, internal, limits, push})
-        largest.of_any_kind = std::max(largest.of_any_kind, force.cwiseAbs().maxCoeff());
+  std::vector<LargestForces> of_bodies;
+  for (const Model::BodyRange& body : model.bodies) {
+    std::vector<LargestForces> of_blocks(std::size_t((body.num_nodes + nodes_per_block - 1) / nodes_per_block));
+    parallel_blocks(body.num_nodes, nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+      LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];
+      for (Eigen::Index node = body.first_node + begin; node < body.first_node + end; ++node) {
+        if (model.node_fixed[node]) continue;
+        const Vector3d inertia = inertia_at(problem, positions, node),
+                       weight = model.node_mass[node] * problem.options->gravity,
+                       internal = evaluation.internal.segment<3>(3 * node),
+                       limits = limits_at(model, evaluation, limit_factors, node), pushed = push.segment<3>(3 * node);
+        largest.sum = std::max(largest.sum, (inertia + internal + limits - pushed).cwiseAbs().maxCoeff());
+        for (const Vector3d& force : {Vector3d(inertia + weight), weight, internal, limits, pushed})
+          largest.of_any_kind = std::max(largest.of_any_kind, force.cwiseAbs().maxCoeff());
+      }
+    });
+    LargestForces largest{0, negligible_force(problem, body)};
+    for (const LargestForces& of_block : of_blocks) {
+      largest.sum = std::max(largest.sum, of_block.sum);
+      largest.of_any_kind = std::max(largest.of_any_kind, of_block.of_any_kind);
     }
-  });
-  LargestForces largest{0, negligible_force(problem)};
-  for (const LargestForces& of_block : of_blocks) {
-    largest.sum = std::max(largest.sum, of_block.sum);
-    largest.of_any_kind = std::max(largest.of_any_kind, of_block.of_any_kind);
+    of_bodies.push_back(largest);
   }
-  return largest;
+  return of_bodies;
+}
+
+VectorXd push_of(const Model& model, const std::vector<Contact>& contacts) {
+  VectorXd push = VectorXd::Zero(3 * model.num_nodes());
+  for (const Contact& contact : contacts) spread(model, contact, contact.force, push);
+  return push;
 }
 
 // energy and gradient of one limit of a hex whose elastic ones are known
@@ -172,17 +179,28 @@ double incremental_potential(const StepProblem& problem, const Evaluation& evalu
   return sum;
 }
 
-double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
-                   const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
-  return largest_forces(problem, evaluation, positions, limit_factors, contacts).of_any_kind;
+VectorXd force_scales(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                      const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
+  const auto of_bodies =
+      largest_forces(problem, evaluation, positions, limit_factors, push_of(*problem.model, contacts));
+  VectorXd scales(Eigen::Index(of_bodies.size()));
+  for (std::size_t b = 0; b < of_bodies.size(); ++b) scales[Eigen::Index(b)] = of_bodies[b].of_any_kind;
+  return scales;
 }
 
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts) {
-  double cone = 0;
-  for (const Contact& contact : contacts) cone = std::max(cone, cone_residual(problem, positions, contact));
-  const LargestForces largest = largest_forces(problem, evaluation, positions, limit_factors, contacts);
-  return std::max(largest.sum, cone) / largest.of_any_kind;
+  const auto of_bodies =
+      largest_forces(problem, evaluation, positions, limit_factors, push_of(*problem.model, contacts));
+  double residual = 0;
+  for (const LargestForces& largest : of_bodies) residual = std::max(residual, largest.sum / largest.of_any_kind);
+  for (const Contact& contact : contacts) {
+    const auto [first, second] = bodies_of(*problem.model, contact);
+    double scale = of_bodies[first].of_any_kind;
+    if (second >= 0) scale = std::min(scale, of_bodies[second].of_any_kind);
+    residual = std::max(residual, cone_residual(problem, positions, contact) / scale);
+  }
+  return residual;
 }
 
 }  // namespace umax

@@ -41,14 +41,15 @@ Vector3d limits_at(const Model& model, const Evaluation& evaluation, const Vecto
 /// m g . (x - x0), with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
 double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions);
 
-/// The largest max-norm [N] among inertia, elastic, limit, contact and gravity forces, what kkt_residual() is relative
-/// to. Forces that would move a node by less than a millionth of a cell count as none.
-double force_scale(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
-                   const VectorXd& limit_factors, const std::vector<Contact>& contacts);
+/// Per body, the largest max-norm [N] among inertia, elastic, limit, contact and gravity forces, what kkt_residual() is
+/// relative to. Forces that would move a node by less than a millionth of a cell count as none.
+VectorXd force_scales(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
+                      const VectorXd& limit_factors, const std::vector<Contact>& contacts);
 
-/// Stationarity of the positions for the exact step: max-norm of the gradient of the Lagrangian over the largest
-/// max-norm of its inertia, elastic, limit, contact and gravity terms; contacts by the residual of the cone
-/// complementarity, scaled likewise. Forces that would move a node by less than a millionth of a cell count as none.
+/// Stationarity of the positions for the exact step: of the body that is worst, the max-norm of the gradient of the
+/// Lagrangian over the largest max-norm of its inertia, elastic, limit, contact and gravity terms; contacts by the
+/// residual of the cone complementarity, over the smaller of their two bodies' largest. A light body beside a heavy one
+/// is thus solved as well. Forces that would move a node by less than a millionth of a cell count as none.
 /// limit_factors: #L [-], lambda/U_max of hard limits (or the barrier's slope).
 double kkt_residual(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,
                     const VectorXd& limit_factors, const std::vector<Contact>& contacts);

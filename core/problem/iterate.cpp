@@ -59,14 +59,17 @@ double bearable_work(const StepProblem& problem, const Iterate& iterate) {
          hidden_work * integrator_loss(problem, iterate.positions);
 }
 
-// which bodies nothing holds up: no clamp, and no obstacle in the step before
+// which bodies nothing holds up: no clamp, no obstacle and no other body in the step before
 std::vector<char> falling_bodies(const Model& model, const State& state) {
   std::vector<char> falls(model.bodies.size(), 1);
   for (std::size_t b = 0; b < falls.size(); ++b) {
     const auto first = model.node_fixed.begin() + model.bodies[b].first_node;
     if (std::find(first, first + model.bodies[b].num_nodes, 1) != first + model.bodies[b].num_nodes) falls[b] = 0;
   }
-  for (const State::ContactImpulse& contact : state.contacts) falls[std::size_t(model.hex_body[contact.hex])] = 0;
+  for (const State::ContactImpulse& contact : state.contacts)
+    if (contact.other_hex < 0 || model.hex_body[contact.hex] != model.hex_body[contact.other_hex])
+      for (const int hex : {contact.hex, contact.other_hex})
+        if (hex >= 0) falls[std::size_t(model.hex_body[hex])] = 0;
   return falls;
 }
 

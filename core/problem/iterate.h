@@ -24,7 +24,7 @@ struct Iterate {
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
   std::vector<double> residuals;  // [-] KKT, of the iterates so far and of this one as soon as it is assessed
-  bool indefinite = false;        // the exact Hessian was not positive definite at one of the last iterations
+  std::vector<char> indefinite;   // per body: its exact Hessian was not positive definite at one of the last iterations
 };
 
 /// What decides whether the iterate is the solution.

@@ -1,5 +1,7 @@
 #include "core/problem/linear_plan.h"
 
+#include <algorithm>
+
 namespace umax {
 namespace {
 
@@ -23,9 +25,8 @@ std::optional<ErrorText> multigrid_obstacle(const std::vector<LinearTraits>& bod
 
 bool wants_multigrid(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
   if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
-  double hexes = 0;
-  for (const LinearTraits& body : bodies) hexes += body.hexes;
-  return hexes >= multigrid_hexes;
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [](const LinearTraits& body) { return body.hexes >= multigrid_hexes; });
 }
 
 }  // namespace

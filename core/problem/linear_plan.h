@@ -28,11 +28,12 @@ struct LinearPlan {
   std::vector<LinearBackend> bodies;           // in the order of the traits
   std::optional<ErrorText> against_multigrid;  // what stands against it, whatever was chosen; none: nothing does
 
-  /// Is the whole scene, whose bodies are all alike so far, solved on multigrids?
+  /// Are the bodies, which are all alike so far, solved on multigrids?
   bool is_multigrid() const { return !bodies.empty() && bodies.front() == LinearBackend::multigrid; }
 };
 
-/// solver.linear where it can be had; where it is automatic, multigrids from the size on from which they are faster.
+/// For bodies that are solved together. solver.linear where it can be had; where it is automatic, multigrids from the size
+/// of a body on from which they are faster.
 /// The paper's method has direct systems only.
 LinearPlan plan_linear_solvers(const std::vector<LinearTraits>& bodies, const SolverOptions& solver);
 LinearPlan plan_linear_solvers(const Model& model, const SolverOptions& solver);

@@ -1,6 +1,9 @@
 #include "core/problem/step_contacts.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "core/contact/surface_contact.h"
 
 namespace umax {
 namespace {
@@ -30,8 +33,11 @@ ContactRows contact_rows(const StepProblem& problem, const Points& positions, co
 
 double contact_penalty(const StepProblem& problem, const Contact& contact) {
   const Model& model = *problem.model;
-  const double stiffness =
-      problem.materials.young[support_of(contact).hex] * model.bodies[body_of(model, contact)].cell_size;
+  double stiffness = std::numeric_limits<double>::infinity();  // of the softer hex
+  for_each_support(contact, [&](const Support& support, double) {
+    const double cell_size = model.bodies[model.hex_body[support.hex]].cell_size;
+    stiffness = std::min(stiffness, problem.materials.young[support.hex] * cell_size);
+  });
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 
@@ -45,16 +51,21 @@ void remember_contacts(const std::vector<Contact>& contacts, double time_step, S
   state.contacts.clear();
   for (const Contact& contact : contacts)
     if (contact.force.squaredNorm() > 0)
-      state.contacts.push_back({contact.point, contact.obstacle, support_of(contact).hex, time_step * contact.force});
+      state.contacts.push_back({contact.point, contact.obstacle, contact.support.hex,
+                                contact.between_bodies() ? contact.other.hex : -1, time_step * contact.force});
 }
 
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
   const Model& model = *problem.model;
   std::vector<Contact> contacts;
   for (const State::ContactImpulse& memory : state.contacts) {
-    contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
+    contacts.push_back(memory.obstacle < 0
+                           ? make_surface_contact(model, memory.point.index, memory.hex, memory.other_hex)
+                           : make_contact(model, memory.point, memory.obstacle, memory.hex));
     contacts.back().force = memory.impulse / problem.h;
   }
+  place_surface_contacts(problem.contact, problem.positions_t0, contacts);
+  std::erase_if(contacts, [](const Contact& contact) { return contact.normal.isZero(0); });
   update_contacts(problem.contact, positions, contacts);
   return contacts;
 }

@@ -63,7 +63,8 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
       .damping_mass = mass_damping(model),
       .damping_stiffness = damping_stiffness,
       .rotations_t0 = damped ? rotations_at(model, options.solver.rotation, state.positions) : std::vector<Matrix3d>{},
-      .contact = begin_contact_step(model, geometry, state.positions, state.time, h, options.gravity.norm()),
+      .contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
+                                    state.time, h, options.gravity.norm()),
       .joining_share = joining_share_for(options.solver.tolerance)};
 }
 

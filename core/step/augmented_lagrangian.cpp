@@ -66,6 +66,16 @@ bool descend(const StepProblem& problem, const VectorXd& step, double promised, 
   return false;
 }
 
+// is no component of the slope larger than what its body bears?
+bool is_flat(const Model& model, const VectorXd& slope, const VectorXd& bearable) {
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Model::BodyRange& body = model.bodies[b];
+    if (slope.segment(3 * body.first_node, 3 * body.num_nodes).cwiseAbs().maxCoeff() > bearable[Eigen::Index(b)])
+      return false;
+  }
+  return true;
+}
+
 struct Minimisation {
   bool settled = false;  // as low as the multipliers are worth
   int iterations = 0;
@@ -80,8 +90,8 @@ Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, in
     const VectorXd slope = gradient(problem, iterate, at);
     VectorXd forces(problem.materials.limits.size());
     for (Eigen::Index l = 0; l < forces.size(); ++l) forces[l] = at.limits[l].force;
-    const double scale = force_scale(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
-    if (i > 0 && slope.cwiseAbs().maxCoeff() <= inner_tolerance * problem.options->solver.tolerance * scale)
+    const VectorXd scales = force_scales(problem, iterate.evaluation, iterate.positions, forces, iterate.contacts);
+    if (i > 0 && is_flat(*problem.model, slope, inner_tolerance * problem.options->solver.tolerance * scales))
       return {true, i};
 
     ++report.sqp_iterations;

@@ -25,22 +25,33 @@ Motion at_rest(const BpxContactCompliance& compliance) {
   return motion;
 }
 
-void push(const BpxContactCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
-  const BpxContactCompliance::Point& point = compliance.points[contact];
+void push_point(const BpxContactCompliance& compliance, const BpxContactCompliance::Point& point, const Vector3d& force,
+                Motion& motion) {
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n)
       motion.nodes[share.nodes[n]].noalias() += compliance.inverses[share.nodes[n]] * (share.weights[n] * force);
   if (point.last_motion.size() > 0) motion.last[point.body].noalias() += point.last_motion.lazyProduct(force);
 }
 
-Vector3d motion_of(const BpxContactCompliance& compliance, int contact, const Motion& motion) {
-  const BpxContactCompliance::Point& point = compliance.points[contact];
+Vector3d motion_of_point(const BpxContactCompliance::Point& point, const Motion& motion) {
   Vector3d sum = Vector3d::Zero();
   for (const Share& share : point.shares)
     for (int n = 0; n < 8; ++n) sum += share.weights[n] * motion.nodes[share.nodes[n]];
   if (point.last_motion.size() > 0)
     for (int n = 0; n < 8; ++n)
       sum += point.last.weights[n] * motion.last[point.body].segment<3>(3 * point.last.nodes[n]);
+  return sum;
+}
+
+void push(const BpxContactCompliance& compliance, int contact, const Vector3d& force, Motion& motion) {
+  for (int p = compliance.first_point[contact]; p < compliance.first_point[contact + 1]; ++p)
+    push_point(compliance, compliance.points[p], compliance.points[p].sign * force, motion);
+}
+
+Vector3d motion_of(const BpxContactCompliance& compliance, int contact, const Motion& motion) {
+  Vector3d sum = Vector3d::Zero();
+  for (int p = compliance.first_point[contact]; p < compliance.first_point[contact + 1]; ++p)
+    sum += compliance.points[p].sign * motion_of_point(compliance.points[p], motion);
   return sum;
 }
 
@@ -95,20 +106,33 @@ MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& te
   return inverse;
 }
 
-void add_body(const Model& model, int body, const BodyGrid& grid, const std::vector<Contact>& contacts,
+// The points that contacts have, without what depends on their bodies' grids.
+void add_points(const Model& model, const std::vector<Contact>& contacts, std::vector<Support>& supports,
+                BpxContactCompliance& compliance) {
+  compliance.first_point.push_back(0);
+  for (const Contact& contact : contacts) {
+    for_each_support(contact, [&](const Support& support, double sign) {
+      compliance.points.push_back(
+          {.shares = {}, .body = model.hex_body[support.hex], .sign = sign, .last = {}, .last_motion = {}});
+      supports.push_back(support);
+    });
+    compliance.first_point.push_back(int(compliance.points.size()));
+  }
+}
+
+void add_body(const Model& model, int body, const BodyGrid& grid, const std::vector<Support>& supports,
               BpxContactCompliance& compliance) {
   const std::vector<MultigridLevel>& levels = grid.multigrid.levels;
   const std::size_t num_single = levels.size() - (grid.multigrid.has_dense ? 1 : 0);
   std::vector<Numbering> numberings(levels.size());
   std::vector<int> of_body;
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    if (body_of(model, contacts[i]) == body) of_body.push_back(int(i));
-  for (const int i : of_body) {
-    BpxContactCompliance::Point& point = compliance.points[i];
-    point.body = body;
-    const Eigen::Index cell = support_of(contacts[i]).hex - model.bodies[body].first_hex;
+  for (std::size_t p = 0; p < supports.size(); ++p)
+    if (compliance.points[p].body == body) of_body.push_back(int(p));
+  for (const int p : of_body) {
+    BpxContactCompliance::Point& point = compliance.points[p];
+    const Eigen::Index cell = supports[p].hex - model.bodies[body].first_hex;
     Place place{model.bodies[body].cells.row(cell).transpose() - levels.front().lattice().first_cell,
-                support_of(contacts[i]).weights};
+                supports[p].weights};
     for (std::size_t l = 0; l < levels.size(); ++l) {
       if (l > 0) place = coarser(place, levels[l - 1].factor);
       Share share;
@@ -148,10 +172,38 @@ Matrix3d own_block(const BpxContactCompliance& compliance, const BpxContactCompl
   return sum;
 }
 
+// how point a moves under a force at point b of the same body
+Matrix3d coupling(const BpxContactCompliance& compliance, const BpxContactCompliance::Point& a,
+                  const BpxContactCompliance::Point& b) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (std::size_t l = 0; l < a.shares.size(); ++l)
+    for (int m = 0; m < 8; ++m)
+      for (int n = 0; n < 8; ++n)
+        if (a.shares[l].nodes[m] == b.shares[l].nodes[n])
+          sum += a.shares[l].weights[m] * b.shares[l].weights[n] * compliance.inverses[a.shares[l].nodes[m]];
+  if (b.last_motion.size() > 0)
+    for (int m = 0; m < 8; ++m) sum += a.last.weights[m] * b.last_motion.middleRows<3>(3 * a.last.nodes[m]);
+  return sum;
+}
+
+Matrix3d contact_block(const BpxContactCompliance& compliance, int contact) {
+  const int first = compliance.first_point[contact];
+  const BpxContactCompliance::Point& a = compliance.points[first];
+  Matrix3d sum = own_block(compliance, a);
+  if (compliance.first_point[contact + 1] == first + 1) return sum;
+  const BpxContactCompliance::Point& b = compliance.points[first + 1];
+  sum += own_block(compliance, b);
+  if (a.body == b.body) {
+    const Matrix3d both = coupling(compliance, a, b);
+    sum -= both + both.transpose();
+  }
+  return sum;
+}
+
 // J B J^T f
 VectorXd apply_unmeasured(const BpxContactCompliance& compliance, const VectorXd& forces) {
   Motion motion = at_rest(compliance);
-  const int count = int(compliance.points.size());
+  const int count = int(compliance.blocks.size());
   for (int i = 0; i < count; ++i) push(compliance, i, forces.segment<3>(3 * i), motion);
   VectorXd motions(forces.size());
   for (int i = 0; i < count; ++i) motions.segment<3>(3 * i) = motion_of(compliance, i, motion);
@@ -163,12 +215,12 @@ VectorXd apply_unmeasured(const BpxContactCompliance& compliance, const VectorXd
 BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
                                                  const std::vector<Contact>& contacts) {
   BpxContactCompliance compliance;
-  compliance.points.resize(contacts.size());
+  std::vector<Support> supports;
+  add_points(model, contacts, supports, compliance);
   compliance.last_rows.assign(system.bodies.size(), 0);
   for (std::size_t body = 0; body < system.bodies.size(); ++body)
-    add_body(model, int(body), system.bodies[body], contacts, compliance);
-  for (const BpxContactCompliance::Point& point : compliance.points)
-    compliance.blocks.push_back(own_block(compliance, point));
+    add_body(model, int(body), system.bodies[body], supports, compliance);
+  for (int i = 0; i < int(contacts.size()); ++i) compliance.blocks.push_back(contact_block(compliance, i));
   return compliance;
 }
 

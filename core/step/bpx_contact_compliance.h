@@ -29,10 +29,12 @@ struct BpxContactCompliance {
   struct Point {
     std::vector<Share> shares;  // on levels whose nodes move one by one
     int body = 0;
+    double sign = 1;       // of the contact's force on it
     Share last;            // on the last level, whose nodes move together:
     MatrixXd last_motion;  // of its touched nodes (3 each) under a force at the point
   };
-  std::vector<Point> points;            // one per contact
+  std::vector<Point> points;            // of the first contact, of the second, ...: each has one or two
+  std::vector<int> first_point;         // #C + 1
   std::vector<Matrix3d> inverses;       // D^-1 of the nodes that contacts touch, of all levels
   std::vector<Eigen::Index> last_rows;  // per body: 3 for each touched node of its last level
   std::vector<Matrix3d> blocks;         // per contact: its own motion under its own force, of B

@@ -1,23 +1,46 @@
 // The compliance of a growing set of contacts: W = J A^-1 J^T, how far each contact's force moves every other one. It
 // is called the Delassus operator (Acary & Brogliato 2008, Numerical Methods for Nonsmooth Dynamical Systems).
+//
+// Contacts push each other through the bodies that they have in common alone, so W is a sum over bodies of small dense
+// matrices of the points at which contacts push the body.
 #pragma once
 
 #include <vector>
 
 #include "core/contact/contact_support.h"
-#include "core/linear/direct/sparse_cholesky.h"
+#include "core/contact/gauss_seidel.h"
+#include "core/step/workspace.h"
 
 namespace umax {
 
-/// Three world directions per contact. W is the Delassus operator of the contacts so far.
-struct Delassus {
-  MatrixXd W;     // [m/N] 3 #C x 3 #C
-  MatrixXd half;  // L^-1 J^T; rows: the unknowns eliminated last, while all contacts are there, or all unknowns
+/// Of one body: three world directions per point at which a contact pushes it.
+struct BodyDelassus {
+  std::vector<Support> points;
+  MatrixXd W;     // [m/N] 3 #P x 3 #P
+  MatrixXd half;  // L^-1 J^T; rows: the unknowns eliminated last, while all points are there, or all unknowns
   bool in_last = true;
 };
 
-/// Adds those of the contacts that are not in it yet (they are the last ones), against the present factor.
-void extend(const Model& model, const SparseCholesky& cholesky, const std::vector<Contact>& contacts,
+struct Delassus {
+  struct Side {  // of a contact
+    int body = 0, point = 0;
+    double sign = 1;  // of the contact's force on the body
+  };
+  std::vector<BodyDelassus> bodies;
+  std::vector<Side> sides;         // of the first contact, of the second, ...: each has one or two
+  std::vector<int> first_side{0};  // #C + 1
+};
+
+/// Adds those of the contacts that are not in it yet (they are the last ones), against the present factors.
+void extend(const Model& model, const Workspace::Data& workspace, const std::vector<Contact>& contacts,
             Delassus& delassus);
+
+/// W as one matrix, 3 #C x 3 #C.
+MatrixXd dense(const Delassus& delassus);
+
+/// Projected Gauss-Seidel for frictional contacts alone (core/contact/gauss_seidel.h), whose motions are W f + q: improves
+/// the forces f in place.
+GaussSeidelResult gauss_seidel(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
+                               const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

@@ -6,6 +6,7 @@
 #include "core/model/hex_limits.h"
 #include "core/problem/step_length.h"
 #include "core/step/augmented_lagrangian.h"
+#include "core/step/contact_counts.h"
 #include "core/step/direct_subproblem.h"
 #include "core/step/multigrid_subproblem.h"
 
@@ -154,7 +155,7 @@ StepReport exact_step(const StepProblem& problem, bool may_be_halved, Workspace:
   state.velocities = (iterate.positions - problem.positions_t0) / problem.h;
   state.positions = iterate.positions;
   state.limit_multipliers = iterate.multipliers;
-  report.contacts = int(iterate.contacts.size());
+  count_contacts(*problem.model, iterate.contacts, report);
   report.limits_active = count_hexes(*problem.model, limit_factors(problem, iterate));
   report.kkt_residual = iterate.residuals.back();
   remember_contacts(iterate.contacts, problem.h, state);

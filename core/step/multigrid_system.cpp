@@ -154,17 +154,21 @@ void add_force(const Model& model, const VectorXd& force, MultigridSystem& syste
 void add_contact_forces(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces,
                         MultigridSystem& system) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const int body = body_of(model, contacts[i]);
-    BodyGrid& grid = system.bodies[body];
     const Vector3d force = forces.segment<3>(3 * Eigen::Index(i));
     if (force.isZero(0)) continue;
-    if (grid.unit == 0) grid.unit = force.cwiseAbs().maxCoeff();
-    grid.point.pushed = true;
-    for_each_node(model, contacts[i], [&](int node, double weight) {
-      if (model.node_fixed[node]) return;
-      const std::size_t at = slot_offset(grid.node_slots[node - model.bodies[body].first_node], vector_components);
-      for (int c = 0; c < 3; ++c)
-        grid.point.residual[at + std::size_t(c) * brick_lanes] += float(weight * force[c] / grid.unit);
+    for_each_support(contacts[i], [&](const Support& support, double sign) {
+      const int body = model.hex_body[support.hex];
+      BodyGrid& grid = system.bodies[body];
+      if (grid.unit == 0) grid.unit = force.cwiseAbs().maxCoeff();
+      grid.point.pushed = true;
+      for (int n = 0; n < 8; ++n) {
+        const int node = model.hexes(support.hex, n);
+        if (model.node_fixed[node]) continue;
+        const std::size_t at = slot_offset(grid.node_slots[node - model.bodies[body].first_node], vector_components);
+        for (int c = 0; c < 3; ++c)
+          grid.point.residual[at + std::size_t(c) * brick_lanes] +=
+              float(sign * support.weights[n] * force[c] / grid.unit);
+      }
     });
   }
 }
@@ -184,13 +188,16 @@ SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& sy
 VectorXd contact_motions(const Model& model, const std::vector<Contact>& contacts, const MultigridSystem& system) {
   VectorXd motions = VectorXd::Zero(3 * Eigen::Index(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const int body = body_of(model, contacts[i]);
-    const BodyGrid& grid = system.bodies[body];
-    for_each_node(model, contacts[i], [&](int node, double weight) {
-      const std::size_t at = slot_offset(grid.node_slots[node - model.bodies[body].first_node], vector_components);
-      for (int c = 0; c < 3; ++c)
-        motions[3 * Eigen::Index(i) + c] +=
-            grid.unit * weight * double(grid.point.x[at + std::size_t(c) * brick_lanes]);
+    for_each_support(contacts[i], [&](const Support& support, double sign) {
+      const int body = model.hex_body[support.hex];
+      const BodyGrid& grid = system.bodies[body];
+      for (int n = 0; n < 8; ++n) {
+        const int node = model.hexes(support.hex, n) - model.bodies[body].first_node;
+        const std::size_t at = slot_offset(grid.node_slots[node], vector_components);
+        for (int c = 0; c < 3; ++c)
+          motions[3 * Eigen::Index(i) + c] +=
+              grid.unit * (sign * support.weights[n]) * double(grid.point.x[at + std::size_t(c) * brick_lanes]);
+      }
     });
   }
   return motions;

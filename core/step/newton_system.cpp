@@ -2,8 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "core/base/parallel.h"
+#include "core/step/delassus.h"
 
 namespace umax {
 namespace {
@@ -81,35 +83,75 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
   }
 }
 
-// J^T stiffness J
+// J^T stiffness J of a point against an obstacle
 void add_contact_matrix(const Contact& contact, const Matrix3d& stiffness, Matrix24d& element) {
-  const Vector8d& weights = support_of(contact).weights;
+  const Vector8d& weights = contact.support.weights;
   for (int m = 0; m < 8; ++m)
     for (int n = 0; n < 8; ++n) element.block<3, 3>(3 * m, 3 * n) += weights[m] * weights[n] * stiffness;
 }
 
-// indices of the contacts whose stiffness joins the matrix; no lists where none does
+// Indices of the contacts with obstacles, whose stiffness joins the matrix; no lists where none does. Contacts of two
+// hexes have no place in its pattern.
 std::vector<std::vector<int>> contacts_by_hex(const Model& model, const Iterate& iterate, const Linearisation& at) {
   std::vector<std::vector<int>> in_hex(at.contacts.empty() ? 0 : model.num_hexes());
-  for (std::size_t i = 0; i < at.contacts.size(); ++i) in_hex[support_of(iterate.contacts[i]).hex].push_back(int(i));
+  for (std::size_t i = 0; i < at.contacts.size(); ++i)
+    if (!iterate.contacts[i].between_bodies()) in_hex[iterate.contacts[i].support.hex].push_back(int(i));
   return in_hex;
 }
 
+// x becomes (A + J^T S J)^-1 b of x = A^-1 b, for the stiffness S of contacts between bodies (Woodbury):
+//   x - A^-1 J^T T (1 + T W T)^-1 T J x,   W = J A^-1 J^T,  T T = S
+void add_body_contacts(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
+                       const Workspace::Data& workspace, VectorXd& x) {
+  const Model& model = *problem.model;
+  std::vector<Contact> between;
+  std::vector<Matrix3d> roots;
+  for (std::size_t i = 0; i < at.contacts.size(); ++i) {
+    if (!iterate.contacts[i].between_bodies() || at.contacts[i].stiffness.isZero(0)) continue;
+    between.push_back(iterate.contacts[i]);
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(at.contacts[i].stiffness);
+    roots.push_back(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                    eigen.eigenvectors().transpose());
+  }
+  if (between.empty()) return;
+  Delassus delassus;
+  extend(model, workspace, between, delassus);
+  const MatrixXd W = dense(delassus);
+  MatrixXd T = MatrixXd::Zero(W.rows(), W.cols());
+  VectorXd motion(W.rows());
+  for (std::size_t i = 0; i < between.size(); ++i) {
+    const Eigen::Index row = 3 * Eigen::Index(i);
+    T.block<3, 3>(row, row) = roots[i];
+    motion.segment<3>(row) = roots[i] * contact_motion(model, between[i], x);
+  }
+  const MatrixXd system = MatrixXd::Identity(W.rows(), W.cols()) + T * W * T;
+  const VectorXd forces = T * system.llt().solve(motion);
+  VectorXd push = VectorXd::Zero(x.size());
+  for (std::size_t i = 0; i < between.size(); ++i)
+    spread(model, between[i], forces.segment<3>(3 * Eigen::Index(i)), push);
+  clear_fixed(model, push);
+  solve(model, workspace, push);
+  x -= push;
+}
+
 // The contact's stiffness as terms g g^T, one for each direction that it has; their offsets are what the contact pushes
-// beyond the force that is known.
+// beyond the force that is known. Two bodies that touch get a term each: (J1 - J2)^T S (J1 - J2) is no more than twice
+// J1^T S J1 + J2^T S J2, which makes the steps of a search shorter and keeps them downhill.
 void append_contact_terms(const Contact& contact, const ContactTerms& at, const Vector3d& known,
                           std::vector<RankOneTerm>& terms) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(at.stiffness);
+  const double share = contact.between_bodies() ? 2 : 1;
   for (int i = 0; i < 3; ++i) {
-    const double stiffness = eigen.eigenvalues()[i];
-    if (!(stiffness > negligible_direction * eigen.eigenvalues()[2])) continue;
+    const double stiffness = share * eigen.eigenvalues()[i];
+    if (!(stiffness > share * negligible_direction * eigen.eigenvalues()[2])) continue;
     const Vector3d direction = eigen.eigenvectors().col(i);
-    RankOneTerm term;
-    term.hex = support_of(contact).hex;
-    for (int n = 0; n < 8; ++n)
-      term.vector.segment<3>(3 * n) = support_of(contact).weights[n] * std::sqrt(stiffness) * direction;
-    term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
-    terms.push_back(term);
+    for_each_support(contact, [&](const Support& support, double) {
+      RankOneTerm term;
+      term.hex = support.hex;
+      for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = support.weights[n] * std::sqrt(stiffness) * direction;
+      if (!contact.between_bodies()) term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
+      terms.push_back(term);
+    });
   }
 }
 
@@ -120,6 +162,33 @@ RankOneTerm limit_term(const StepProblem& problem, const Iterate& iterate, const
       model.limits[l].kind == LimitKind::hard ? iterate.multipliers[l] / problem.materials.limits[l] : 0;
   const double root = std::sqrt(at.rank_one);
   return {model.limits[l].hex, root * iterate.evaluation.limit_gradient(model, l), (at.force - known) / root};
+}
+
+// Factors a body's matrix; in_hex: contacts by hex. Returns the number of factorisations.
+int factorize_body(const StepProblem& problem, const Linearisation& at, Iterate& iterate,
+                   const std::vector<std::vector<int>>& in_hex, int b, Workspace::Data& workspace) {
+  const Model::BodyRange& body = problem.model->bodies[b];
+  const double h = problem.h;
+  const VectorXd mass = (problem.model->node_mass.segment(body.first_node, body.num_nodes).array() *
+                         (1 / (h * h) + problem.damping_mass.segment(body.first_node, body.num_nodes).array() / h))
+                            .matrix();
+  SystemMatrix& matrix = body_matrix(*problem.model, b, workspace);
+  const auto try_with = [&](Elasticity elasticity) {
+    reset(matrix);
+    add_mass(mass, 1, matrix);
+    add_elements(matrix, [&](Eigen::Index of_body, Matrix24d& element) {
+      const Eigen::Index e = body.first_hex + of_body;
+      element_matrix(problem, iterate.evaluation, at.limits, e, elasticity, element);
+      if (!in_hex.empty())
+        for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
+    });
+    return workspace.bodies[b].cholesky.factorize(matrix);
+  };
+  if (!iterate.indefinite[b] && try_with(Elasticity::exact)) return 1;
+  const int attempts = iterate.indefinite[b] ? 1 : 2;
+  iterate.indefinite[b] = 1;
+  try_with(Elasticity::definite);
+  return attempts;
 }
 
 }  // namespace
@@ -158,7 +227,8 @@ VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const 
   }
   report.factorisations += factorize(problem, at, iterate, workspace);
   VectorXd step = -slope;
-  workspace.cholesky.solve(step);
+  solve(*problem.model, workspace, step);
+  add_body_contacts(problem, at, iterate, workspace, step);
   return step;
 }
 
@@ -174,25 +244,13 @@ std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& i
 }
 
 int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace) {
-  const double h = problem.h;
-  const VectorXd mass = (problem.model->node_mass.array() * (1 / (h * h) + problem.damping_mass.array() / h)).matrix();
-  const std::vector<std::vector<int>> in_hex = contacts_by_hex(*problem.model, iterate, at);
-  SystemMatrix& matrix = direct_matrix(*problem.model, workspace);
-  const auto try_with = [&](Elasticity elasticity) {
-    reset(matrix);
-    add_mass(mass, 1, matrix);
-    add_elements(matrix, [&](Eigen::Index e, Matrix24d& element) {
-      element_matrix(problem, iterate.evaluation, at.limits, e, elasticity, element);
-      if (!in_hex.empty())
-        for (const int i : in_hex[e]) add_contact_matrix(iterate.contacts[i], at.contacts[i].stiffness, element);
-    });
-    return workspace.cholesky.factorize(matrix);
-  };
-  if (!iterate.indefinite && try_with(Elasticity::exact)) return 1;
-  const int attempts = iterate.indefinite ? 1 : 2;
-  iterate.indefinite = true;
-  try_with(Elasticity::definite);
-  return attempts;
+  const Model& model = *problem.model;
+  const std::vector<std::vector<int>> in_hex = contacts_by_hex(model, iterate, at);
+  iterate.indefinite.resize(model.bodies.size(), 0);
+  int most = 0;
+  for (int b = 0; b < int(model.bodies.size()); ++b)  // one after the other: the BLAS is not made for several threads
+    most = std::max(most, factorize_body(problem, at, iterate, in_hex, b, workspace));
+  return most;
 }
 
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {

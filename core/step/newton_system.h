@@ -19,8 +19,9 @@ struct Linearisation {
 /// Terms of every limit, hard ones with the penalty rho = relative_penalty U_max [J].
 std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& iterate, double relative_penalty);
 
-/// Factors the Hessian at the iterate: exact elasticity if that is positive definite, else with warped stiffness in the
-/// hexes that are not so by themselves: from then on that is what is tried. Returns the number of factorisations.
+/// Factors each body's Hessian at the iterate: exact elasticity if that is positive definite, else with warped stiffness in
+/// the hexes that are not so by themselves: from then on that is what is tried. Returns the number of factorisations of
+/// the body that took most.
 int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace);
 
 /// The multigrid's counterpart, with warped stiffness.

@@ -8,6 +8,7 @@
 #include "core/problem/evaluation.h"
 #include "core/problem/step_contacts.h"
 #include "core/problem/step_length.h"
+#include "core/step/contact_counts.h"
 
 namespace umax {
 namespace {
@@ -79,10 +80,11 @@ void apply_remembered_forces(PaperIterate& iterate) {
     iterate.velocity += iterate.contact_columns.middleCols<3>(3 * Eigen::Index(i)) * iterate.contacts[i].force;
 }
 
-// contacts of obstacle edges slide through the material: their columns follow, and so does the effect of their forces
-void refresh_edge_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
+// Contacts of obstacles' edges and of other bodies slide through the material: their columns follow, and so does the
+// effect of their forces.
+void refresh_sliding_columns(const StepProblem& problem, const SparseCholesky& cholesky, PaperIterate& iterate) {
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
-    if (iterate.contacts[i].point.kind != ContactKind::obstacle_edge) continue;
+    if (iterate.contacts[i].point.kind == ContactKind::vertex) continue;
     MatrixXd columns = MatrixXd::Zero(iterate.velocity.size(), 3);
     for (int axis = 0; axis < 3; ++axis)
       spread(*problem.model, iterate.contacts[i], Vector3d::Unit(axis), columns.col(axis));
@@ -148,7 +150,7 @@ MatrixXd delassus(const StepProblem& problem, const PaperIterate& iterate, const
 }
 
 // Eq. 23 at the current velocity: contact forces are totals, limit multipliers increments. Gaps and ratios were taken
-// at the positions; the velocity may have changed since (refresh_edge_columns).
+// at the positions; the velocity may have changed since (refresh_sliding_columns).
 ComplementarityProblem linearise(const StepProblem& problem, const PaperIterate& iterate,
                                  const std::vector<int>& limits, const std::vector<Vector24d>& rows, MatrixXd W,
                                  const VectorXd& z) {
@@ -185,7 +187,7 @@ int correct(const StepProblem& problem, const SparseCholesky& cholesky, PaperIte
   std::vector<int> limits;
   for (int l = 0; l < int(iterate.candidate.size()); ++l)
     if (iterate.candidate[l]) limits.push_back(l);
-  refresh_edge_columns(problem, cholesky, iterate);
+  refresh_sliding_columns(problem, cholesky, iterate);
   const std::vector<Vector24d> rows = limit_rows(problem, limits, iterate.positions);
   MatrixXd limit_columns = scatter(model, limits, rows);
   cholesky.solve(limit_columns);
@@ -242,26 +244,26 @@ bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky
 StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, State& state) {
   const Model& model = *problem.model;
   StepReport report;
-  SystemMatrix& matrix = direct_matrix(*problem.model, workspace);
+  SystemMatrix& matrix = matrix_of_all(*problem.model, workspace);
   VectorXd elastic_impulse = assemble(problem, matrix);
-  workspace.cholesky.factorize(matrix);
+  workspace.all.cholesky.factorize(matrix);
   report.factorisations = 1;
 
   PaperIterate iterate;
-  iterate.velocity = unconstrained_velocity(problem, std::move(elastic_impulse), workspace.cholesky);
+  iterate.velocity = unconstrained_velocity(problem, std::move(elastic_impulse), workspace.all.cholesky);
   iterate.candidate.assign(model.limits.size(), 0);
   iterate.multipliers = VectorXd::Zero(Eigen::Index(model.limits.size()));
   iterate.contact_columns.resize(3 * model.num_nodes(), 0);
   move_to_velocity(problem, iterate);
   iterate.contacts = recall_contacts(problem, state, iterate.positions);
-  append_contact_columns(problem, workspace.cholesky, 0, iterate);
+  append_contact_columns(problem, workspace.all.cholesky, 0, iterate);
   apply_remembered_forces(iterate);
   move_to_velocity(problem, iterate);
 
   bool must_solve = !iterate.contacts.empty();  // remembered forces are a guess, not a solution
   double largest_move = 0;
   while (true) {
-    const bool hold = constraints_hold(problem, workspace.cholesky, iterate);
+    const bool hold = constraints_hold(problem, workspace.all.cholesky, iterate);
     if (problem.options->on_iteration)
       problem.options->on_iteration({.iteration = report.sqp_iterations,
                                      .max_energy_ratio = iterate.ratios.size() > 0 ? iterate.ratios.maxCoeff() : 0,
@@ -276,7 +278,7 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
       break;
     }
     ++report.sqp_iterations;
-    report.linear_iterations += correct(problem, workspace.cholesky, iterate);
+    report.linear_iterations += correct(problem, workspace.all.cholesky, iterate);
     const Points before = iterate.positions;
     move_to_velocity(problem, iterate);
     largest_move = umax::largest_move(model, flatten(iterate.positions - before));
@@ -285,7 +287,7 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   state.positions = iterate.positions;
   state.velocities = unflatten(iterate.velocity);
   state.limit_multipliers = iterate.multipliers;
-  report.contacts = int(iterate.contacts.size());
+  count_contacts(model, iterate.contacts, report);
   report.limits_active = count_hexes(model, iterate.multipliers);
   Evaluation evaluation;
   evaluate(problem, state.positions, evaluation);

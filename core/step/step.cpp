@@ -2,16 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "core/base/parallel.h"
+#include "core/contact/surface_contact.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
 #include "core/step/exact_step.h"
+#include "core/step/islands.h"
 #include "core/step/paper_step.h"
 #include "core/step/workspace.h"
 
 namespace umax {
 namespace {
+
+constexpr double largest_move_felt = 0.25;  // [cells] of hexes towards each other in a solve
+constexpr int most_fast_halvings = 8;
 
 // kinetic, elastic (true energy, whatever the limit measures) and gravitational energy
 void measure_energies(const Model& model, const StepOptions& options, const State& state, StepReport& report) {
@@ -34,7 +43,8 @@ void measure_energies(const Model& model, const StepOptions& options, const Stat
 void measure_into(const Model& model, const StepOptions& options, const ContactGeometry& geometry, const State& state,
                   StepReport& report) {
   report.max_energy_ratio = model.num_hexes() ? energy_ratios(model, options.solver, state).maxCoeff() : 0;
-  report.max_penetration = max_penetration(model, geometry, state.positions, state.time);
+  report.max_penetration = std::max(max_penetration(model, geometry, state.positions, state.time),
+                                    max_surface_penetration(model, geometry, state.positions));
   measure_energies(model, options, state, report);
 }
 
@@ -46,47 +56,147 @@ StepReport joined(const StepReport& first, const StepReport& second) {
   sum.factorisations += first.factorisations;
   sum.linear_iterations += first.linear_iterations;
   sum.retries += first.retries;
+  sum.substeps += first.substeps;
   sum.kkt_residual = std::max(first.kkt_residual, second.kkt_residual);
   return sum;
 }
 
-// one solve over options.time_step; where it does not converge, two of half the size, and so on
+// Do hexes that may touch come so far towards each other that one could be through the other before it is felt?
+bool moves_too_fast(const Model& model, const ContactGeometry& geometry, const StepOptions& options,
+                    const State& state) {
+  if (!geometry.touchable.any()) return false;
+  const Points expected = state.positions + options.time_step * state.velocities;
+  return largest_approach(model, geometry.touchable, geometry.hex_starts, state.positions, expected,
+                          largest_move_felt) > largest_move_felt;
+}
+
+// how often a step may still be halved: where it does not converge, and where bodies move too fast
+struct Halvings {
+  int failed = 0, fast = 0;
+};
+
 StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
-                   State& state, int halvings) {
+                   State& state, Halvings left);
+
+// two solves over half of options.time_step each
+StepReport advance_halves(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
+                          State& state, Halvings left) {
+  StepOptions half = options;
+  half.time_step = options.time_step / 2;
+  const StepReport first = advance(model, half, plan, data, state, left);
+  return joined(first, advance(model, half, plan, data, state, left));
+}
+
+// one solve over options.time_step; where it does not converge or bodies move too fast, two of half the size, and so on
+StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
+                   State& state, Halvings left) {
+  const bool exact = options.solver.method == SolverMethod::exact;
+  if (exact && left.fast > 0 && moves_too_fast(model, data.contact_geometry, options, state))
+    return advance_halves(model, options, plan, data, state, {left.failed, left.fast - 1});
   const State start = state;
   const StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);
-  const bool exact = options.solver.method == SolverMethod::exact;
-  const bool may_be_halved = exact && halvings > 0 && start.been_feasible;
+  const bool may_be_halved = exact && left.failed > 0 && start.been_feasible;
   StepReport report = exact ? exact_step(problem, may_be_halved, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
   if (!may_be_halved || report.status != StepStatus::iteration_limit) return report;
 
   state = start;
-  StepOptions half = options;
-  half.time_step = options.time_step / 2;
   StepReport failed;
   failed.retries = 1;
+  failed.substeps = 0;
   failed.sqp_iterations = report.sqp_iterations;
   failed.factorisations = report.factorisations;
   failed.linear_iterations = report.linear_iterations;
-  const StepReport first = advance(model, half, plan, data, state, halvings - 1);
-  const StepReport second = advance(model, half, plan, data, state, halvings - 1);
-  return joined(joined(failed, first), second);
+  return joined(failed, advance_halves(model, options, plan, data, state, {left.failed - 1, left.fast}));
+}
+
+// the reports of two islands as one
+StepReport beside(const StepReport& first, const StepReport& second) {
+  StepReport sum = second;
+  sum.status = std::max(first.status, second.status);
+  sum.limits_active += first.limits_active;
+  sum.contacts += first.contacts;
+  sum.contacts_obstacles += first.contacts_obstacles;
+  sum.contacts_between += first.contacts_between;
+  sum.contacts_within += first.contacts_within;
+  sum.sqp_iterations = std::max(first.sqp_iterations, second.sqp_iterations);
+  sum.factorisations = std::max(first.factorisations, second.factorisations);
+  sum.linear_iterations += first.linear_iterations;
+  sum.retries += first.retries;
+  sum.substeps = std::max(first.substeps, second.substeps);
+  sum.kkt_residual = std::max(first.kkt_residual, second.kkt_residual);
+  return sum;
+}
+
+// the island of these bodies, the last step's if it had that one
+std::unique_ptr<Island> island_of(const Model& model, const std::vector<int>& bodies, Workspace::Data& data) {
+  for (std::unique_ptr<Island>& island : data.islands)
+    if (island && island->bodies == bodies) return std::move(island);
+  return make_island(model, data.contact_geometry, bodies);
+}
+
+StepReport advance_whole(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
+  return advance(model, options, plan_linear_solvers(model, options.solver), data, state,
+                 {options.solver.max_halvings, most_fast_halvings});
+}
+
+// the island by itself, with the matrices that its bodies had before
+StepReport advance_island(const Model& model, const StepOptions& options, Workspace::Data& data, Island& island,
+                          const State& start, State& end) {
+  const auto swap_matrices = [&] {
+    for (std::size_t i = 0; i < island.bodies.size(); ++i)
+      std::swap(data.bodies[island.bodies[i]], island.workspace.bodies[i]);
+  };
+  State part = part_of(model, start, island);
+  swap_matrices();
+  const StepReport report = advance_whole(island.model, options, island.workspace, part);
+  swap_matrices();
+  put_back(model, island, part, end);
+  return report;
+}
+
+// Each island by itself; where bodies of two have come into each other after all, these once more, together. The paper's
+// method has one system for everything.
+StepReport advance_islands(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
+  std::vector<std::vector<int>> islands;
+  if (options.solver.method == SolverMethod::exact)
+    islands = find_islands(model, data.contact_geometry, options.time_step, state);
+  while (islands.size() > 1) {
+    std::vector<std::unique_ptr<Island>> made;
+    State end = state;
+    end.time += options.time_step;
+    end.contacts.clear();
+    std::vector<StepReport> reports;
+    for (const std::vector<int>& bodies : islands) {
+      made.push_back(island_of(model, bodies, data));
+      reports.push_back(advance_island(model, options, data, *made.back(), state, end));
+    }
+    data.islands = std::move(made);
+    std::vector<std::vector<int>> joined = join_islands(model, data.contact_geometry, state, end, islands);
+    if (joined.size() == islands.size()) {
+      state = std::move(end);
+      return std::accumulate(reports.begin() + 1, reports.end(), reports.front(), beside);
+    }
+    islands = std::move(joined);
+  }
+  data.islands.clear();
+  return advance_whole(model, options, data, state);
 }
 
 }  // namespace
 
-Workspace::Workspace(const Model& model)
-    : data_(new Data{make_contact_geometry(model), std::nullopt, SparseCholesky(), std::nullopt}) {}
+Workspace::Workspace(const Model& model) : data_(std::make_unique<Data>()) {
+  data_->contact_geometry = make_contact_geometry(model);
+  data_->bodies.resize(model.bodies.size());
+}
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
-  const LinearPlan plan = plan_linear_solvers(model, options.solver);
-  require_solvable(plan, options.solver);
+  require_solvable(plan_linear_solvers(model, options.solver), options.solver);
   State next = state;
-  StepReport report = advance(model, options, plan, workspace.data(), next, options.solver.max_halvings);
+  StepReport report = advance_islands(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;
   ++next.step;
   measure_into(model, options, workspace.data().contact_geometry, next, report);
@@ -100,6 +210,14 @@ StepReport measure(const Model& model, const StepOptions& options, const State& 
   StepReport report;
   measure_into(model, options, make_contact_geometry(model), state, report);
   return report;
+}
+
+std::vector<Overlap> find_overlaps(const Model& model, const State& state) {
+  std::vector<Overlap> overlaps = find_overlaps(model, make_contact_geometry(model), state.positions);
+  std::erase_if(overlaps, [&](const Overlap& overlap) {
+    return overlap.depth <= tolerance_depth(model, model.bodies[overlap.a].first_hex);
+  });
+  return overlaps;
 }
 
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state) {

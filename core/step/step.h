@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "core/contact/overlap.h"
 #include "core/model/model.h"
 #include "core/problem/step_options.h"
 
@@ -18,10 +20,13 @@ struct StepReport {
   StepStatus status = StepStatus::converged;
   int limits_active = 0;  // hexes that a limit holds: with a positive multiplier
   int contacts = 0;       // contact constraints solved
+  int contacts_obstacles = 0, contacts_between = 0, contacts_within = 0;  // of these: with obstacles, of two bodies, of
+                                                                          // a body with itself
   int sqp_iterations = 0;
   int factorisations = 0;
   int linear_iterations = 0;    // Gauss-Seidel sweeps
   int retries = 0;              // at smaller step sizes
+  int substeps = 1;             // solves that the step was made of: more where bodies move fast towards each other
   double max_energy_ratio = 0;  // [-] U/U_max of the worst limit at the end, fresh rotations
   double kkt_residual = 0;      // [-]
   double max_penetration = 0;   // [m] deepest surface vertex at the end
@@ -50,6 +55,9 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
 
 /// The measured quantities of a state, without stepping.
 StepReport measure(const Model& model, const StepOptions& options, const State& state);
+
+/// Bodies inside each other at a state, deeper than what counts as touching.
+std::vector<Overlap> find_overlaps(const Model& model, const State& state);
 
 /// U/U_max of each hex's worst limit (0 where it has none), freshly computed rotations: #E.
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state);

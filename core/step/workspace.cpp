@@ -1,16 +1,35 @@
 #include "core/step/workspace.h"
 
+#include "core/step/islands.h"
+
 namespace umax {
 
-SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace) {
-  if (!workspace.matrix) workspace.matrix = make_system_matrix(model);
-  return *workspace.matrix;
+Workspace::Data::Data() = default;
+Workspace::Data::Data(Data&&) noexcept = default;
+Workspace::Data& Workspace::Data::operator=(Data&&) noexcept = default;
+Workspace::Data::~Data() = default;
+
+SystemMatrix& matrix_of_all(const Model& model, Workspace::Data& workspace) {
+  if (!workspace.all.matrix) workspace.all.matrix = make_system_matrix(model);
+  return *workspace.all.matrix;
 }
 
-void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace) {
-  if (workspace.matrix && nodes == workspace.matrix->last) return;
-  workspace.matrix = make_system_matrix(model, nodes);
-  workspace.cholesky = SparseCholesky();
+SystemMatrix& body_matrix(const Model& model, int body, Workspace::Data& workspace) {
+  DirectSystem& system = workspace.bodies[body];
+  if (!system.matrix) system.matrix = make_body_matrix(model, model.bodies[body]);
+  return *system.matrix;
+}
+
+void eliminate_last(const Model& model, int body, const std::vector<int>& nodes, Workspace::Data& workspace) {
+  DirectSystem& system = workspace.bodies[body];
+  if (system.matrix && nodes == system.matrix->last) return;
+  system.matrix = make_body_matrix(model, model.bodies[body], nodes);
+  system.cholesky = SparseCholesky();
+}
+
+void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    workspace.bodies[b].cholesky.solve(x.segment(3 * model.bodies[b].first_node, 3 * model.bodies[b].num_nodes));
 }
 
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace) {

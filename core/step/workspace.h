@@ -1,6 +1,7 @@
 // The memory behind Workspace (core/step/step.h), for the step solvers.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,18 +13,39 @@
 
 namespace umax {
 
-struct Workspace::Data {
-  ContactGeometry contact_geometry;
-  std::optional<SystemMatrix> matrix;  // of the direct solver; made when first needed, as are the others
+struct Island;
+
+/// A matrix and its factor; made when first needed.
+struct DirectSystem {
+  std::optional<SystemMatrix> matrix;
   SparseCholesky cholesky;
-  std::optional<MultigridSystem> multigrid;
 };
 
-/// The matrix of the direct solver, in an order of its own where eliminate_last() has not been told otherwise.
-SystemMatrix& direct_matrix(const Model& model, Workspace::Data& workspace);
+struct Workspace::Data {
+  ContactGeometry contact_geometry;
+  std::vector<DirectSystem> bodies;  // the exact method's, one per body
+  DirectSystem all;                  // the paper's method's: of all bodies
+  std::optional<MultigridSystem> multigrid;
+  std::vector<std::unique_ptr<Island>> islands;  // of the last step, where bodies were solved apart
 
-/// Brings the matrix into an order in which these nodes (ascending) are eliminated last; keeps it if they are already.
-void eliminate_last(const Model& model, const std::vector<int>& nodes, Workspace::Data& workspace);
+  Data();
+  Data(Data&&) noexcept;
+  Data& operator=(Data&&) noexcept;
+  ~Data();
+};
+
+/// The matrix of all bodies.
+SystemMatrix& matrix_of_all(const Model& model, Workspace::Data& workspace);
+
+/// The matrix of one body, in an order of its own where eliminate_last() has not been told otherwise.
+SystemMatrix& body_matrix(const Model& model, int body, Workspace::Data& workspace);
+
+/// Brings the body's matrix into an order in which these of its nodes (ascending, counted from its first) are eliminated
+/// last; keeps it if they are already.
+void eliminate_last(const Model& model, int body, const std::vector<int>& nodes, Workspace::Data& workspace);
+
+/// x becomes A^-1 x, body by body: 3 #N.
+void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x);
 
 /// The multigrids of the model's bodies.
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace);

@@ -180,7 +180,7 @@ TEST_CASE("detection names the deepest vertex of each touching hex") {
   for (Eigen::Index i = 0; i < model.num_nodes(); ++i) state.positions(i, 1) += 0.04 * state.positions(i, 0);
   Points above = state.positions;
   above.col(1).array() += 0.1;  // it came from above: no start in penetration
-  const ContactStep contact_step = begin_contact_step(model, geometry, above, 0, 0.01, 9.81);
+  const ContactStep contact_step = begin_contact_step(model, geometry, above, above, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
   REQUIRE(add_contacts(contact_step, state.positions, 0.5, contacts) == 2);
   for (const Contact& contact : contacts) {
@@ -204,7 +204,7 @@ TEST_CASE("gaps followed along their normals are those of a fresh detection for 
   Points above = model.rest_positions, moved = model.rest_positions;
   above.col(1).array() += 0.1;
   moved.rowwise() += Vector3d(1e-4, -3e-4, 2e-4).transpose();
-  const ContactStep contact_step = begin_contact_step(model, geometry, above, 0, 0.01, 9.81);
+  const ContactStep contact_step = begin_contact_step(model, geometry, above, above, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
   add_contacts(contact_step, model.rest_positions, 0.5, contacts);
   int edges = 0;
@@ -230,7 +230,7 @@ TEST_CASE("a vertex keeps of the depth that it starts with what leaves room for 
   const ContactGeometry geometry = make_contact_geometry(model);
   const Points positions = rest_state(model).positions;
   std::vector<Contact> contacts;
-  add_contacts(begin_contact_step(model, geometry, positions, 0, 0.01, 9.81), positions, 0, contacts);
+  add_contacts(begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81), positions, 0, contacts);
   REQUIRE(contacts.size() == 4);  // hexes that touch
   for (const Contact& contact : contacts)
     CHECK(contact.gap / tolerance == Approx(-std::max(0.0, depth - 0.5)).margin(1e-9));

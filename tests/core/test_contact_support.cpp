@@ -36,7 +36,7 @@ TEST_CASE("a contact takes motions from the nodes to which it spreads forces") {
   Vector3d sum = Vector3d::Zero();
   for (Eigen::Index node = 0; node < model.num_nodes(); ++node) sum += push.segment<3>(3 * node);
   CHECK((sum - force).norm() < 1e-14);
-  CHECK(body_of(model, contact) == 0);
+  CHECK(bodies_of(model, contact).first == 0);
 }
 
 TEST_CASE("a contact's row asks for the gap along its motion against the obstacle so far") {

@@ -61,14 +61,14 @@ cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
 
 }  // namespace
 
-std::vector<int> elimination_order(const Model& model, const std::vector<int>& last) {
+std::vector<int> elimination_order(const Hexes& hexes, Eigen::Index num_nodes, const std::vector<int>& last) {
   std::vector<int> column_starts{0}, row_indices;
-  for (const std::vector<int>& list : later_neighbours(model.hexes, model.num_nodes())) {
+  for (const std::vector<int>& list : later_neighbours(hexes, num_nodes)) {
     row_indices.insert(row_indices.end(), list.begin(), list.end());
     column_starts.push_back(int(row_indices.size()));
   }
   cholmod_sparse graph{};  // of the nodes, lower triangle
-  graph.nrow = graph.ncol = std::size_t(model.num_nodes());
+  graph.nrow = graph.ncol = std::size_t(num_nodes);
   graph.nzmax = row_indices.size();
   graph.p = column_starts.data();
   graph.i = row_indices.data();
@@ -82,7 +82,7 @@ std::vector<int> elimination_order(const Model& model, const std::vector<int>& l
   common.print = 0;
   common.error_handler = nullptr;
   std::vector<int> order(graph.ncol);
-  const bool ordered = model.num_nodes() < nested_dissection_nodes
+  const bool ordered = num_nodes < nested_dissection_nodes
                            ? cholmod_amd(&graph, nullptr, 0, order.data(), &common)
                            : cholmod_metis(&graph, nullptr, 0, true, order.data(), &common);
   std::stable_partition(order.begin(), order.end(),

@@ -12,7 +12,8 @@ namespace umax {
 
 /// All nodes in a fill-reducing order in which subtrees of the elimination tree stay together; those in `last`
 /// (ascending) come after everything that they depend on: all that is eliminated after one of them is in `last` too.
-std::vector<int> elimination_order(const Model& model, const std::vector<int>& last);
+/// hexes: #E x 8.
+std::vector<int> elimination_order(const Hexes& hexes, Eigen::Index num_nodes, const std::vector<int>& last);
 
 /// Owns a factor. Deterministic: one BLAS thread is the caller's duty (tools set it), orderings are seeded.
 class SparseCholesky {

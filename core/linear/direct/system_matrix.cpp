@@ -20,19 +20,30 @@ std::vector<std::vector<int>> later_neighbours(const Hexes& hexes, Eigen::Index 
 }
 
 SystemMatrix make_system_matrix(const Model& model, const std::vector<int>& last) {
+  return make_system_matrix(model.hexes, model.node_fixed, last);
+}
+
+SystemMatrix make_body_matrix(const Model& model, const Model::BodyRange& body, const std::vector<int>& last) {
+  const Hexes hexes = model.hexes.middleRows(body.first_hex, body.num_hexes).array() - body.first_node;
+  const auto first = model.node_fixed.begin() + body.first_node;
+  return make_system_matrix(hexes, std::vector<char>(first, first + body.num_nodes), last);
+}
+
+SystemMatrix make_system_matrix(const Hexes& hexes, const std::vector<char>& fixed, const std::vector<int>& last) {
+  const auto num_nodes = Eigen::Index(fixed.size());
   SystemMatrix matrix;
   matrix.last = last;
-  matrix.order = elimination_order(model, last);
+  matrix.order = elimination_order(hexes, num_nodes, last);
   matrix.ranks.resize(matrix.order.size());
   for (std::size_t rank = 0; rank < matrix.order.size(); ++rank) {
     matrix.ranks[matrix.order[rank]] = int(rank);
-    matrix.fixed.push_back(model.node_fixed[matrix.order[rank]]);
+    matrix.fixed.push_back(fixed[matrix.order[rank]]);
   }
-  matrix.hexes = model.hexes.unaryExpr([&](int node) { return matrix.ranks[node]; });
+  matrix.hexes = hexes.unaryExpr([&](int node) { return matrix.ranks[node]; });
 
-  const std::vector<std::vector<int>> neighbours = later_neighbours(matrix.hexes, model.num_nodes());
+  const std::vector<std::vector<int>> neighbours = later_neighbours(matrix.hexes, num_nodes);
   matrix.column_starts.push_back(0);
-  for (Eigen::Index a = 0; a < model.num_nodes(); ++a)
+  for (Eigen::Index a = 0; a < num_nodes; ++a)
     for (int c = 0; c < 3; ++c) {
       for (const int b : neighbours[a])
         for (int r = (b == a ? c : 0); r < 3; ++r) matrix.row_indices.push_back(3 * b + r);
@@ -40,8 +51,8 @@ SystemMatrix make_system_matrix(const Model& model, const std::vector<int>& last
     }
   matrix.values = VectorXd::Zero(Eigen::Index(matrix.row_indices.size()));
 
-  matrix.block_slots.resize(model.num_hexes());
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
+  matrix.block_slots.resize(hexes.rows());
+  for (Eigen::Index e = 0; e < hexes.rows(); ++e) {
     int pair = 0;
     for (int m = 0; m < 8; ++m)
       for (int n = m; n < 8; ++n) {

@@ -29,8 +29,14 @@ struct SystemMatrix {
 /// For each of num_nodes nodes: itself and the nodes after it with which it shares a hex, ascending.
 std::vector<std::vector<int>> later_neighbours(const Hexes& hexes, Eigen::Index num_nodes);
 
-/// Pattern of the model's hexes in elimination_order(model, last), values zero.
+/// Pattern of hexes (#E x 8 nodes) in elimination_order(hexes, #N, last), values zero. fixed: #N.
+SystemMatrix make_system_matrix(const Hexes& hexes, const std::vector<char>& fixed, const std::vector<int>& last);
+
+/// Of all bodies in one matrix.
 SystemMatrix make_system_matrix(const Model& model, const std::vector<int>& last = {});
+
+/// Of one body, whose nodes and hexes count from 0 on.
+SystemMatrix make_body_matrix(const Model& model, const Model::BodyRange& body, const std::vector<int>& last = {});
 
 /// All values to zero, ones on the diagonal of fixed nodes.
 void reset(SystemMatrix& matrix);

@@ -1,0 +1,212 @@
+#include "core/contact/encounters.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "core/base/parallel.h"
+#include "core/element/rotation.h"
+
+namespace umax {
+namespace {
+
+constexpr Eigen::Index hexes_per_block = 64;
+
+// [cells] from the rest shape, of nodes in hexes that cannot meet yet: with the largest margin less than half a cell
+constexpr double nearly_rigid = 0.3, largest_margin = 0.15;
+
+using Boxes = std::vector<Eigen::AlignedBox3d>;
+
+Eigen::AlignedBox3d box_of(const Model& model, const Points& positions, int hex) {
+  Eigen::AlignedBox3d box;
+  for (int n = 0; n < 8; ++n) box.extend(positions.row(model.hexes(hex, n)).transpose());
+  return box;
+}
+
+Eigen::AlignedBox3d grown(const Eigen::AlignedBox3d& box, double by) {
+  return {box.min() - Vector3d::Constant(by), box.max() + Vector3d::Constant(by)};
+}
+
+// per body: the bodies that its vertices may touch
+using Surfaces = std::vector<std::vector<int>>;
+
+// boxes of the bodies that are among the surfaces
+std::vector<Boxes> boxes_of_bodies(const Model& model, const TouchableBodies& touchable, const Surfaces& surfaces,
+                                   const Points& positions) {
+  std::vector<Boxes> boxes(model.bodies.size());
+  for (const std::vector<int>& bodies : surfaces)
+    for (const int body : bodies)
+      if (boxes[body].empty()) boxes[body] = boxes_at(touchable.trees[body], model, positions);
+  return boxes;
+}
+
+// Are all nodes of a body with a regular cage so near their places in the rest shape, moved and turned as a whole, that
+// hexes without a common node, at rest one cell apart, cannot meet?
+bool is_nearly_rigid(const Model& model, const Model::BodyRange& body, const Points& positions) {
+  if (body.cells.rows() == 0) return false;
+  const auto mass = model.node_mass.segment(body.first_node, body.num_nodes);
+  const auto rest = model.rest_positions.middleRows(body.first_node, body.num_nodes);
+  const auto now = positions.middleRows(body.first_node, body.num_nodes);
+  const Eigen::RowVector3d rest_centre = mass.transpose() * rest / mass.sum(),
+                           centre = mass.transpose() * now / mass.sum();
+  const Points rest_arms = rest.rowwise() - rest_centre, arms = now.rowwise() - centre;
+  const Matrix3d rotation = polar_rotation(arms.transpose() * mass.asDiagonal() * rest_arms);
+  const double farthest = (arms - rest_arms * rotation.transpose()).rowwise().squaredNorm().maxCoeff();
+  return farthest <= std::pow(nearly_rigid * body.cell_size, 2);
+}
+
+// of the surfaces that vertices may touch, those whose bodies come near theirs; by: [m] that boxes are grown
+Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, const Points& positions, double by) {
+  std::vector<Eigen::AlignedBox3d> boxes(model.bodies.size());
+  for (std::size_t b = 0; b < boxes.size(); ++b) {
+    const auto nodes = positions.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes);
+    boxes[b] = {nodes.colwise().minCoeff().transpose(), nodes.colwise().maxCoeff().transpose()};
+  }
+  Surfaces near(model.bodies.size());
+  for (std::size_t b = 0; b < near.size(); ++b)
+    for (const int other : touchable.surfaces[b])
+      if (int(b) == other ? !is_nearly_rigid(model, model.bodies[b], positions)
+                          : grown(boxes[b], by).intersects(boxes[other]))
+        near[b].push_back(other);
+  return near;
+}
+
+// Calls visit(block, hex, body, others) for each hex with vertices and each body that these may touch, in parallel.
+// box(hex): of the hex. meet(hex, other): a closer look.
+template <class Box, class Meet, class Visit>
+void visit_meetings(const Model& model, const TouchableBodies& touchable, const Surfaces& surfaces,
+                    const std::vector<int>& hex_starts, const std::vector<Boxes>& boxes, const Box& box,
+                    const Meet& meet, const Visit& visit) {
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (int hex = int(begin); hex < int(end); ++hex) {
+      if (hex_starts[hex] == hex_starts[hex + 1] || surfaces[model.hex_body[hex]].empty()) continue;
+      const Eigen::AlignedBox3d around = box(hex);
+      for (const int body : surfaces[model.hex_body[hex]]) {
+        std::vector<int> others;
+        for_each_hex_in(touchable.trees[body], boxes[body], around, [&](int other) {
+          if (meet(hex, other) && (body != model.hex_body[hex] || !share_node(model, hex, other)))
+            others.push_back(other);
+        });
+        if (others.empty()) continue;
+        std::sort(others.begin(), others.end());
+        visit(begin / hexes_per_block, hex, body, std::move(others));
+      }
+    }
+  });
+}
+
+std::size_t num_blocks(const Model& model) {
+  return std::size_t((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);
+}
+
+// an upper bound of how far any two nodes move against each other [cells of the smallest]
+double largest_relative_motion(const Model& model, const Points& from, const Points& to) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Model::BodyRange& body : model.bodies) smallest = std::min(smallest, body.cell_size);
+  const Points moves = to - from;
+  return 2 * std::sqrt((moves.rowwise() - moves.colwise().mean()).rowwise().squaredNorm().maxCoeff()) / smallest;
+}
+
+double largest_cell(const Model& model) {
+  double largest = 0;
+  for (const Model::BodyRange& body : model.bodies) largest = std::max(largest, body.cell_size);
+  return largest;
+}
+
+}  // namespace
+
+bool TouchableBodies::any() const {
+  return std::any_of(surfaces.begin(), surfaces.end(), [](const std::vector<int>& of) { return !of.empty(); });
+}
+
+bool share_node(const Model& model, int a, int b) {
+  for (int m = 0; m < 8; ++m)
+    for (int n = 0; n < 8; ++n)
+      if (model.hexes(a, m) == model.hexes(b, n)) return true;
+  return false;
+}
+
+TouchableBodies find_touchable(const Model& model) {
+  const int count = int(model.bodies.size());
+  TouchableBodies touchable{std::vector<std::vector<int>>(count), std::vector<HexTree>(count)};
+  for (int other = 0; other < count; ++other) {
+    if (!model.bodies[other].rest_surface) continue;
+    for (int body = 0; body < count; ++body) {
+      if (!may_touch(model, body, other)) continue;
+      touchable.surfaces[body].push_back(other);
+      if (touchable.trees[other].nodes.empty()) touchable.trees[other] = make_hex_tree(model, other);
+    }
+  }
+  return touchable;
+}
+
+std::vector<HexBounds> bound_hexes(const Model& model, const TouchableBodies& touchable, const Points& positions) {
+  std::vector<HexBounds> bounds(std::size_t(model.num_hexes()));
+  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index e = begin; e < end; ++e)
+      if (!touchable.trees[model.hex_body[e]].nodes.empty())
+        bounds[std::size_t(e)] = bound_hex(model, positions, int(e));
+  });
+  return bounds;
+}
+
+Encounters find_encounters(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                           const Points& positions, double margin) {
+  assert(margin <= largest_margin);
+  Encounters encounters{positions, {}};
+  std::vector<std::vector<Encounter>> of_blocks(num_blocks(model));
+  const double of_others = margin * largest_cell(model);  // theirs is in the box of the hex
+  const Surfaces near = near_surfaces(model, touchable, positions, 2 * of_others);
+  if (std::all_of(near.begin(), near.end(), [](const std::vector<int>& of) { return of.empty(); })) return encounters;
+  const std::vector<HexBounds> bounds = bound_hexes(model, touchable, positions);
+  visit_meetings(
+      model, touchable, near, hex_starts, boxes_of_bodies(model, touchable, near, positions),
+      [&](int hex) {
+        return grown(box_of(model, positions, hex), margin * model.bodies[model.hex_body[hex]].cell_size + of_others);
+      },
+      [&](int hex, int other) { return may_meet(bounds[other], hex_nodes(model, positions, hex), of_others); },
+      [&](Eigen::Index block, int hex, int body, std::vector<int> others) {
+        of_blocks[block].push_back({hex, body, std::move(others)});
+      });
+  for (std::vector<Encounter>& block : of_blocks)
+    std::move(block.begin(), block.end(), std::back_inserter(encounters.all));
+  return encounters;
+}
+
+bool are_complete(const Model& model, const Encounters& encounters, const Points& positions, double margin) {
+  for (const Model::BodyRange& body : model.bodies) {
+    const auto moved = positions.middleRows(body.first_node, body.num_nodes) -
+                       encounters.expected.middleRows(body.first_node, body.num_nodes);
+    if (!(moved.rowwise().squaredNorm().maxCoeff() <= std::pow(margin * body.cell_size, 2))) return false;
+  }
+  return true;
+}
+
+double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                        const Points& from, const Points& to, double enough) {
+  if (largest_relative_motion(model, from, to) <= enough) return 0;
+  std::vector<Boxes> boxes = boxes_of_bodies(model, touchable, touchable.surfaces, from);
+  const std::vector<Boxes> ends = boxes_of_bodies(model, touchable, touchable.surfaces, to);
+  for (std::size_t body = 0; body < boxes.size(); ++body)
+    for (std::size_t i = 0; i < boxes[body].size(); ++i) boxes[body][i].extend(ends[body][i]);
+  const auto motion = [&](int hex) -> Vector3d {
+    return (hex_nodes(model, to, hex) - hex_nodes(model, from, hex)).colwise().mean().transpose();
+  };
+  const auto cell_size = [&](int hex) { return model.bodies[model.hex_body[hex]].cell_size; };
+  VectorXd largest = VectorXd::Zero(Eigen::Index(num_blocks(model)));
+  visit_meetings(
+      model, touchable, touchable.surfaces, hex_starts, boxes,
+      [&](int hex) { return box_of(model, from, hex).merged(box_of(model, to, hex)); }, [](int, int) { return true; },
+      [&](Eigen::Index block, int hex, int, const std::vector<int>& others) {
+        const Vector3d own = motion(hex);
+        for (const int other : others)
+          largest[block] =
+              std::max(largest[block], (motion(other) - own).norm() / std::min(cell_size(hex), cell_size(other)));
+      });
+  return largest.size() ? largest.maxCoeff() : 0;
+}
+
+}  // namespace umax

@@ -1,0 +1,42 @@
+// Which point of a body's material is at a point of space: the trilinear map of a deformed hex, inverted.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/model/model.h"
+
+namespace umax {
+
+/// A hex and this much of its size around it: trilinear maps continue there.
+inline constexpr double within_hex = 1 + 1e-9, around_hex = 2;
+
+struct MaterialPoint {
+  Vector8d weights = Vector8d::Zero();        // of the hex's nodes
+  Vector3d rest = Vector3d::Zero();           // [m] where the material is at rest
+  Matrix3d F_inverse = Matrix3d::Identity();  // of the deformation gradient there
+};
+
+/// The material of the hex at the point, by Newton's method. False where it is more than `reach` half sizes from the
+/// hex's centre along an axis, or where the hex is turned inside out.
+bool find_material(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach,
+                   MaterialPoint& material);
+
+/// Bounds of where find_material() finds points of a hex, at the cost of a product: the trilinear map differs from an
+/// affine one by no more than it does at the corners.
+struct HexBounds {
+  Eigen::AlignedBox3d box;                     // of the deformed hex
+  Matrix3d rest_from_world, local_from_world;  // of the affine map
+  Vector3d centre, rest_centre;                // [m]
+  double rest_error = 0;                       // [m] of the material that the affine map gives; infinity: no bound
+  double local_error = 0;                      // [-] of local coordinates, each
+  double largest_inverse = 0;                  // [-] of F^-1 in the hex, in Frobenius' norm
+};
+HexBounds bound_hex(const Model& model, const Points& positions, int hex);
+
+/// May the hex hold the point?
+bool may_hold(const HexBounds& bounds, const Vector3d& point);
+
+/// May the hex hold a point of another hex with these nodes, if all nodes of both move by no more than `by` [m]?
+bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by);
+
+}  // namespace umax

@@ -1,0 +1,46 @@
+// Vertices of bodies' surfaces against the surfaces of other bodies and of far parts of their own.
+//
+// The touched body's material at a vertex, X (McAdams et al. 2011, Efficient elasticity for character skinning with
+// contact and collisions, ACM TOG 30: collisions are found in the undeformed shape), is measured there exactly:
+//
+// gap    = phi(X) / |F^-T grad phi|
+// normal = F^-T grad phi / |F^-T grad phi|
+//
+// phi: distance from the touched body's rest triangles, negative inside [m];  F: its deformation gradient at X [-]
+// The gap is phi to first order in the deformed body, and its derivative is that of the vertex against the material at
+// X along the normal: the eight weights of X are the touched body's part of the contact.
+//
+// The nearest triangle may be on the wrong side of a thin wall, or of a finger smaller than a cell. Where the vertex came
+// from in this step, seen from the material, is X0 = X + F^-1 (p(t0) - x(X, t0)). If X0 lies outside, only triangles count
+// whose normals are within 60 degrees of that of the first one which the path from X0 to X enters; a path that enters
+// the body has entered it even where X lies beyond its other side.
+//
+// Hexes that share a node do not touch each other. Surfaces that overlap at rest in the same hexes never do.
+#pragma once
+
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/contact/overlap.h"
+
+namespace umax {
+
+/// Contacts at the positions: for each hex and each body that its vertices may touch, the vertex with the least gap
+/// below -share * tolerance_depth. In the order of hexes and touched bodies.
+std::vector<Contact> surface_candidates(const ContactStep& step, const Points& positions, double share);
+
+/// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
+/// the touched body's cage, or is in a hex turned inside out, keeps its place and normal.
+void place_surface_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+
+/// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap
+/// and normal stay.
+void keep_at_vertex(const Model& model, const Points& positions, Contact& contact);
+
+/// Bodies that are inside others or themselves, of those that may touch, by a and b. hex_starts as in ContactGeometry.
+std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
+/// Depth [m] of the deepest vertex inside another body or a far part of its own; 0: none is.
+double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
+}  // namespace umax
