@@ -218,15 +218,6 @@ void add_material_keys(Keys& keys) {
            "Rayleigh damping by stiffness: slows deformation");
 }
 
-void read_contact(const SceneValue& value, BodyDescription&) {
-  const auto* text = value.as<std::string>();
-  if (text && *text == "obstacles") return;
-  throw value_error(
-      value,
-      "bodies touch obstacles only: contact of bodies with each other or with themselves comes in a later version",
-      "remove the key, or write \"obstacles\"");
-}
-
 void read_fixed(const SceneValue& value, BodyDescription& body) {
   const std::string remedy = "write [{ min = [x, y, z], max = [x, y, z] }]";
   const auto* boxes = value.as<SceneValue::Array>();
@@ -267,9 +258,14 @@ SceneSection body_section() {
   add_shape_keys(keys);
   add_placement_keys(keys);
   keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
-           "Coulomb coefficient; a pair takes the larger one");
-  keys.add_custom("contact", "\"obstacles\"", "what it touches", {}, read_contact,
-                  [](const BodyDescription&) { return std::optional<std::string>("\"obstacles\""); });
+           "Coulomb coefficient; of two that touch the larger one counts");
+  keys.add("contact",
+           ChoiceKind<ContactWith>{{{"all", ContactWith::all},
+                                    {"others", ContactWith::others},
+                                    {"obstacles", ContactWith::obstacles},
+                                    {"none", ContactWith::none}}},
+           UMAX_FIELD(contact),
+           "what it touches: everything that allows it, itself too; all but itself; obstacles alone; nothing");
   add_cage_keys(keys);
   add_preset_key(keys);
   add_material_keys(keys);

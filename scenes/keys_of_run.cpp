@@ -26,6 +26,8 @@ SceneSection clip_section() {
   keys.add("substeps", IntegerKind{.low = 1, .high = 100000}, UMAX_FIELD(substeps), "time steps a frame");
   keys.add("gravity", VectorKind{units::acceleration, {.low = -1e6, .high = 1e6}}, UMAX_FIELD(gravity),
            "acceleration of gravity");
+  keys.add("allow_overlap", FlagKind(), UMAX_FIELD(allow_overlap),
+           "starts although bodies are deep inside each other; they are pushed apart slowly");
   return section;
 }
 

@@ -1,4 +1,4 @@
-// Scene keys of [obstacle.NAME] and [probe.NAME].
+// Scene keys of [obstacle.NAME], [pair.NAME] and [probe.NAME].
 #include "scenes/mesh_keys.h"
 
 namespace umax {
@@ -61,6 +61,19 @@ void add_shape_keys(Keys& keys) {
            "scales a mesh", {.unset = "as the mesh is", .belongs_to = of_mesh, .group = "height or scale"});
 }
 
+void set_pair(const SceneValue& value, PairDescription& pair) {
+  const std::string remedy = "write [\"A\", \"B\"], or [\"A\", \"A\"] for a body and itself";
+  const auto* names = value.as<SceneValue::Array>();
+  if (!names) throw value_error(value, "must be a list of two bodies, but is " + type_text(value), remedy);
+  if (names->size() != 2)
+    throw value_error(value, "must have two bodies, but has " + std::to_string(names->size()), remedy);
+  for (std::size_t i = 0; i < 2; ++i) pair.bodies[i] = TextKind().read((*names)[i]);
+}
+
+std::optional<std::string> get_pair(const PairDescription& pair) {
+  return "[" + toml_string(pair.bodies[0]) + ", " + toml_string(pair.bodies[1]) + "]";
+}
+
 }  // namespace
 
 SceneSection obstacle_section() {
@@ -68,13 +81,24 @@ SceneSection obstacle_section() {
   auto keys = named_section(section, &Scene::obstacles);
   add_shape_keys(keys);
   keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
-           "Coulomb coefficient; a pair takes the larger one");
+           "Coulomb coefficient; of two that touch the larger one counts");
   keys.add("position", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(position),
            "of the centre of a sphere or box, a plane's or mesh's own origin");
   keys.add("rotation", TrackKind<VectorKind>{{units::angle, {.low = -1e6, .high = 1e6}}}, UMAX_FIELD(rotation_degrees),
            "about world X, then Y, then Z");
   keys.add("visible", FlagKind(), UMAX_FIELD(visible), "whether pictures show it");
   add_look_keys(keys);
+  return section;
+}
+
+SceneSection pair_section() {
+  SceneSection section{.name = "pair", .meaning = "an exception for two bodies, or for a body and itself"};
+  auto keys = named_section(section, &Scene::pairs);
+  keys.add_custom("bodies", "list of two names", "the two bodies; the same name twice: the body and itself",
+                  {.unset = "required", .defines = true, .required = true}, set_pair, get_pair);
+  keys.add("touch", FlagKind(), UMAX_FIELD(touch), "whether they touch, whatever their contact says");
+  keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
+           "Coulomb coefficient between them", {.unset = "the larger of the two"});
   return section;
 }
 

@@ -1,6 +1,7 @@
 // What is to be simulated and shown, as a scene file describes it; every default of the program stands here.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ struct ClipDescription {
   double fps = 60;                // [1/s]
   int substeps = 1;               // time steps a frame
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
+  bool allow_overlap = false;     // bodies that are deep inside each other at the start
   double time_step() const { return 1.0 / (fps * substeps); }
 };
 
@@ -77,6 +79,7 @@ struct BodyDescription {
   Vector3d velocity{0, 0, 0};          // [m/s]
   Vector3d spin_degrees{0, 0, 0};      // [deg/s] world axes
   double friction = 0.5;
+  ContactWith contact = ContactWith::all;
   CageDescription cage;
   MaterialOptions material;
   EnergyLimitOptions limit;
@@ -100,6 +103,14 @@ struct ObstacleDescription {
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};
   bool visible = true;
   Look look;
+};
+
+/// An exception to what two bodies say, or a body of itself, where the same name stands twice.
+struct PairDescription {
+  std::string name;
+  std::array<std::string, 2> bodies;
+  bool touch = true;
+  std::optional<double> friction;  // [-] unset: the larger of the two
 };
 
 struct ProbeDescription {
@@ -152,6 +163,7 @@ struct Scene {
   SolverOptions solver;
   std::vector<BodyDescription> bodies;  // in order of name: no result depends on a file's order
   std::vector<ObstacleDescription> obstacles;
+  std::vector<PairDescription> pairs;
   std::vector<ProbeDescription> probes;
   CameraDescription camera;
   std::vector<LightDescription> lights;

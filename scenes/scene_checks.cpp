@@ -1,6 +1,7 @@
 #include "scenes/scene_checks.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/base/nearest_word.h"
 
@@ -41,6 +42,32 @@ void check_meshes(const Scene& scene, const SceneDocument& document) {
       check_mesh(*mesh, where(document, "obstacle", obstacle.name, "mesh"), "obstacle." + obstacle.name + ".mesh");
 }
 
+Error no_such_body(const std::string& place, const std::string& name, const std::vector<std::string>& names) {
+  return Error(Fault::bad_data, {.where = place,
+                                 .what = "there is no such body",
+                                 .value = toml_string(name),
+                                 .remedy = "did you mean \"" + nearest_word(name, names) + "\"?"});
+}
+
+void check_pairs(const Scene& scene, const SceneDocument& document) {
+  const std::vector<std::string> names = body_names(scene);
+  std::map<std::array<std::string, 2>, std::string> seen;
+  for (const PairDescription& pair : scene.pairs) {
+    const std::string place = where(document, "pair", pair.name, "bodies");
+    for (const std::string& name : pair.bodies)
+      if (std::find(names.begin(), names.end(), name) == names.end()) throw no_such_body(place, name, names);
+    std::array<std::string, 2> sorted = pair.bodies;
+    std::sort(sorted.begin(), sorted.end());
+    const auto [first, is_first] = seen.try_emplace(sorted, pair.name);
+    if (!is_first)
+      throw Error(Fault::bad_data,
+                  {.where = place,
+                   .what = "are the bodies of [pair." + first->second + "], too",
+                   .value = "[" + toml_string(pair.bodies[0]) + ", " + toml_string(pair.bodies[1]) + "]",
+                   .remedy = "remove one of the two pairs"});
+  }
+}
+
 void complete_probes(Scene& scene, const SceneDocument& document) {
   const std::vector<std::string> names = body_names(scene);
   for (ProbeDescription& probe : scene.probes) {
@@ -50,10 +77,7 @@ void complete_probes(Scene& scene, const SceneDocument& document) {
     if (probe.body.empty())
       throw Error(Fault::bad_data,
                   {.where = place, .what = "is missing", .remedy = "name one of the bodies " + list_text(names)});
-    throw Error(Fault::bad_data, {.where = place,
-                                  .what = "there is no such body",
-                                  .value = toml_string(probe.body),
-                                  .remedy = "did you mean \"" + nearest_word(probe.body, names) + "\"?"});
+    throw no_such_body(place, probe.body, names);
   }
 }
 
@@ -81,6 +105,7 @@ void complete_and_check(Scene& scene, const SceneDocument& document) {
                                   .what = "the scene has no body",
                                   .remedy = "add one: [body.NAME] with mesh = \"PATH\" or shape = \"sphere\""});
   check_meshes(scene, document);
+  check_pairs(scene, document);
   complete_probes(scene, document);
   check_views(scene, document);
 }

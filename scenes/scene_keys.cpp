@@ -21,8 +21,8 @@ std::string SceneSection::key_prefix(const std::string& thing) const {
 
 const std::vector<SceneSection>& scene_sections() {
   static const std::vector<SceneSection> sections = {
-      top_section(),   clip_section(),   solver_section(), body_section(),   obstacle_section(),
-      probe_section(), camera_section(), light_section(),  render_section(),
+      top_section(),  clip_section(),  solver_section(), body_section(),  obstacle_section(),
+      pair_section(), probe_section(), camera_section(), light_section(), render_section(),
   };
   return sections;
 }

@@ -54,6 +54,7 @@ SceneSection clip_section();
 SceneSection solver_section();
 SceneSection body_section();
 SceneSection obstacle_section();
+SceneSection pair_section();
 SceneSection probe_section();
 SceneSection camera_section();
 SceneSection light_section();

@@ -65,8 +65,8 @@ TEST_CASE("a bad line of a body is answered with its file, line, key and fault",
       {"radius = \"1 parsec\"", "body.ball.radius", "has the unknown unit parsec"},
       {"height = 0", "body.ball.height", "must be > 0"},
       {"drop_height = \"-1 m\"", "body.ball.drop_height", "must be 0 … 1000000"},
-      {"contact = \"bodies\"", "body.ball.contact", "comes in a later version"},
-      {"contact = true", "body.ball.contact", "comes in a later version"},
+      {"contact = \"bodies\"", "body.ball.contact", "must be one of \"all\", \"others\", \"obstacles\", \"none\""},
+      {"contact = true", "body.ball.contact", "must be one of"},
       {"fixed = [{ min = [1, 0, 0], max = [0, 0, 0] }]", "body.ball.fixed", "has a min beyond its max"},
       {"fixed = [{ min = [1, 0, 0] }]", "body.ball.fixed", "must be a box with min and max"},
       {"fixed = { min = [1, 0, 0] }", "body.ball.fixed", "must be a list of boxes"},
@@ -106,6 +106,14 @@ TEST_CASE("a bad line anywhere else is answered with its file, line, key and fau
       {"[obstacle.\"\"]\nshape = \"plane\"", "test.toml:3: obstacle", "is no name"},
       {"[probe.tip]\nbody = \"ball\"", "test.toml:3: probe.tip.point", "is missing"},
       {"[probe.tip]\npoint = [0, 0, 0]\nbody = \"bell\"", "test.toml:5: probe.tip.body", "there is no such body"},
+      {"[pair.a]\ntouch = false", "test.toml:3: pair.a.bodies", "is missing"},
+      {"[pair.a]\nbodies = \"ball\"", "test.toml:4: pair.a.bodies", "must be a list of two bodies, but is a string"},
+      {"[pair.a]\nbodies = [\"ball\"]", "test.toml:4: pair.a.bodies", "must have two bodies, but has 1"},
+      {"[pair.a]\nbodies = [\"ball\", \"ball\", \"ball\"]", "test.toml:4: pair.a.bodies", "but has 3"},
+      {"[pair.a]\nbodies = [\"ball\", 3]", "test.toml:4: pair.a.bodies", "but is an integer"},
+      {"[pair.a]\nbodies = [\"ball\", \"bell\"]", "test.toml:4: pair.a.bodies", "there is no such body"},
+      {"[pair.a]\nbodies = [\"ball\", \"ball\"]\nfriction = -0.1", "test.toml:5: pair.a.friction", "must be 0 … 1000"},
+      {"[pair.a]\nbodies = [\"ball\", \"ball\"]\ntouch = \"no\"", "test.toml:5: pair.a.touch", "true or false"},
       {"[light.key]\nposition = [1, 1, 1]\ntarget = [1, 1, 1]", "test.toml:4: light.key.position",
        "is also the light's target"},
       {"[light.key]\nsize = 0", "test.toml:4: light.key.size", "must be > 0"},
@@ -157,6 +165,18 @@ TEST_CASE("an unknown key names the nearest known one", "[scenes]") {
   CHECK(remedy("[obstacles.a]\n") == "did you mean [obstacle.NAME]?");
   CHECK(remedy("fps = 30\n") == "did you mean clip.fps?");
   CHECK(remedy("descripton = \"x\"\n") == "did you mean description?");
+}
+
+TEST_CASE("an unknown body of a pair names the nearest one, and two bodies are a pair only once", "[scenes]") {
+  const std::string bodies = "[body.cat]\n[body.dog]\n";
+  const Failure unknown = failure_of_text(bodies + "[pair.p]\nbodies = [\"cat\", \"dig\"]\n");
+  CHECK(unknown.value == "\"dig\"");
+  CHECK(unknown.remedy == "did you mean \"dog\"?");
+  const std::string first = bodies + "[pair.p]\nbodies = [\"cat\", \"dog\"]\n[pair.q]\nbodies = ";
+  const Failure twice = failure_of_text(first + "[\"dog\", \"cat\"]\n");
+  CHECK(twice.where == "test.toml:6: pair.q.bodies");
+  CHECK(twice.what == "are the bodies of [pair.p], too");
+  CHECK(failure_of_text(first + "[\"dog\", \"dog\"]\n").code == 0);
 }
 
 TEST_CASE("two keys of which only one may stand are an error in a file", "[scenes]") {

@@ -40,6 +40,7 @@ TEST_CASE("the beam is the paper's", "[builtin]") {
   CHECK(beam.limit.kind == LimitKind::hard);
   CHECK(beam.limit.unit == LimitUnit::energy);
   CHECK(beam.limit.value.at(0) == 0.1);
+  CHECK(beam.contact == ContactWith::obstacles);
   REQUIRE(beam.fixed.size() == 1);
   CHECK(beam.fixed[0].max[0] > 0);
   CHECK(beam.fixed[0].max[0] < 1.0 / 14);
@@ -57,6 +58,7 @@ TEST_CASE("the spheres are the paper's", "[builtin]") {
     CHECK(std::get<SphereShape>(sphere.source).radius == 1);
     CHECK(sphere.position == Vector3d(0, 2, 0));
     CHECK(sphere.friction == 0.5);
+    CHECK(sphere.contact == ContactWith::obstacles);
     CHECK(sphere.material.mass == MassModel::lattice);
     CHECK(sphere.limit.kind == LimitKind::hard);
     CHECK(std::holds_alternative<HalfSpace>(scene.obstacles.at(0).shape));
@@ -88,6 +90,7 @@ TEST_CASE("the armadillo has the manual's values and needs its mesh", "[builtin]
   CHECK(body.material.young.at(0) == 500e3);
   CHECK(body.material.density == 500);
   CHECK(body.friction == 0.5);
+  CHECK(body.contact == ContactWith::obstacles);
   CHECK(body.limit.kind == LimitKind::hard);
   CHECK(body.limit.unit == LimitUnit::energy);
   CHECK(body.limit.value.at(0) == 100);

@@ -45,6 +45,7 @@ rotation = "kuhn"
 jacobian = "warped"
 tolerance = 1e-2
 [body.b]
+contact = "others"
 mesh = ")" + mesh.string() +
                            R"("
 unit = "cm"
@@ -85,6 +86,12 @@ shape = "mesh"
 mesh = ")" + mesh.string() +
                            R"("
 height = 3
+[pair.slippery]
+bodies = ["b", "a"]
+friction = 0.07
+[pair.b_itself]
+bodies = ["b", "b"]
+touch = false
 [probe.p]
 body = "a"
 point = [0, 0, 0]
@@ -136,6 +143,16 @@ sky = { kind = "map", map = ")" +
   CHECK(parts.fibre.kind == LimitKind::soft);
   CHECK(parts.fibre.unit == LimitUnit::energy);
   CHECK(parts.fibre_direction == Vector3d(0, 2, 0.30000000000000004));
+  CHECK(b.contact == ContactWith::others);
+  CHECK(again.bodies[0].contact == ContactWith::all);
+  REQUIRE(again.pairs.size() == 2);
+  CHECK(again.pairs[0].bodies == std::array<std::string, 2>{"b", "b"});
+  CHECK_FALSE(again.pairs[0].touch);
+  CHECK_FALSE(again.pairs[0].friction);
+  CHECK(again.pairs[1].name == "slippery");
+  CHECK(again.pairs[1].bodies == std::array<std::string, 2>{"b", "a"});
+  CHECK(again.pairs[1].touch);
+  CHECK(again.pairs[1].friction == 0.07);
   CHECK(b.fixed.size() == 2);
   CHECK(b.look.base_color == b0.look.base_color);
   CHECK(again.obstacles[0].name == "ball");

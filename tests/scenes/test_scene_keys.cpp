@@ -26,7 +26,7 @@ TEST_CASE("every key is documented with type, default and meaning, and stands on
 
 TEST_CASE("the keys that scripts rely on are there", "[keys]") {
   const std::vector<std::pair<const char*, std::vector<const char*>>> promised = {
-      {"clip", {"frames", "fps", "substeps", "gravity"}},
+      {"clip", {"frames", "fps", "substeps", "gravity", "allow_overlap"}},
       {"solver", {"method", "tolerance", "energy", "rotation", "jacobian"}},
       {"body",
        {"mesh",
@@ -44,6 +44,7 @@ TEST_CASE("the keys that scripts rely on are there", "[keys]") {
         "velocity",
         "spin",
         "friction",
+        "contact",
         "cage.cells",
         "cage.cell_size",
         "cage.clip",
@@ -59,6 +60,7 @@ TEST_CASE("the keys that scripts rely on are there", "[keys]") {
         "limit.stretch",
         "fixed"}},
       {"obstacle", {"shape", "friction", "position", "rotation", "size", "radius", "mesh"}},
+      {"pair", {"bodies", "touch", "friction"}},
       {"probe", {"body", "point"}},
       {"render", {"engine", "size", "samples", "heatmap"}},
   };
@@ -88,13 +90,16 @@ TEST_CASE("defaults in the table are those of the program", "[keys]") {
   CHECK(default_of("clip", "gravity") == "[0, -9.81, 0]");
   CHECK(default_of("body", "material.young") == "500000");
   CHECK(default_of("body", "cage.cells") == "365");
+  CHECK(default_of("body", "contact") == "\"all\"");
+  CHECK(default_of("pair", "touch") == "true");
   CHECK(default_of("render", "size") == "[1280, 720]");
   CHECK(default_of("probe", "point") == "required");
 }
 
 TEST_CASE("random overrides are read or refused, never a crash", "[keys]") {
   const std::string text =
-      "[body.a]\nshape = \"sphere\"\n[obstacle.a]\nshape = \"box\"\n[probe.a]\npoint = [0, 0, 0]\n[light.a]\n";
+      "[body.a]\nshape = \"sphere\"\n[obstacle.a]\nshape = \"box\"\n[pair.a]\nbodies = [\"a\", "
+      "\"a\"]\n[probe.a]\npoint = [0, 0, 0]\n[light.a]\n";
   const std::vector<std::string> values = {"1",
                                            "-1",
                                            "0.5",

@@ -275,7 +275,7 @@ TEST_CASE("a colour means the same in all pictures of a clip, and what its legen
     CHECK(shot.legend->title == first.legend->title);
     CHECK(shot.legend->high == first.legend->high);
     largest = std::max(largest, heat.maxCoeff());
-    const VectorXi& hex = simulation.bodies[0].embedding.points.hex;
+    const VectorXi& hex = simulation.bodies[0].embedding->hex;
     const Points& colors = shot.objects[0].mesh->colors;
     for (Eigen::Index p = 0; p < hex.size(); ++p)
       CHECK(colors.row(p) == color_on(*shot.legend, heat[hex[p]]).cast<double>().transpose());

@@ -53,10 +53,11 @@ TEST_CASE("a file of hexes is a body and its cage, placed as meshes are") {
   CHECK(low == Approx(0.01));
 
   // vertices are nodes, to the last bit
+  const EmbeddedPoints points = points_of(*body.embedding);
   for (Eigen::Index v = 0; v < surface.num_vertices(); ++v) {
     const int node = body.shape.hexes->surface_nodes[std::size_t(v)];
     CHECK(surface.positions.row(v) == body.lattice.rest_positions.row(node));
-    CHECK(body.embedding.points.weights.row(v).maxCoeff() == 1);
+    CHECK(points.weights.row(v).maxCoeff() == 1);
   }
   CHECK(simulation.model.node_mass.sum() == Approx(700 * volume_of(body.lattice)).epsilon(1e-12));
   // the file's factors act
@@ -80,8 +81,8 @@ cage.mesh = "cage.msh"
   const Simulation placed = set_up(load_scene((folder / "placed.toml").string()));
   const BodySetup &a = plain.bodies.front(), &b = placed.bodies.front();
   CHECK(a.lattice.rest_positions == crooked.rest_positions);
-  CHECK(a.embedding.points.hex == b.embedding.points.hex);
-  CHECK((a.embedding.points.weights - b.embedding.points.weights).cwiseAbs().maxCoeff() < 1e-10);
+  CHECK(a.embedding->hex == b.embedding->hex);
+  CHECK((points_of(*a.embedding).weights - points_of(*b.embedding).weights).cwiseAbs().maxCoeff() < 1e-10);
   CHECK(b.lattice.rest_positions.colwise().mean().isApprox(
       (crooked.rest_positions.colwise().mean() * 0.01 * rotation_from_degrees({10, 20, 30}).transpose()) +
           Eigen::RowVector3d(3, 4, 5),

@@ -36,14 +36,23 @@ std::string text_of_rows(long long last) {
 TEST_CASE("steps.csv has the columns that scripts rely on, in their order") {
   CHECK(steps_header({}) ==
         "step,frame,time_s,status,hexes,limits_active,contacts,sqp_iterations,factorisations,linear_iterations,retries,"
-        "max_energy_ratio,kkt_residual,max_penetration_m,kinetic_energy_J,elastic_energy_J,potential_energy_J,wall_ms");
-  CHECK(steps_header({"tip", "heel"}) == steps_header({}) + ",tip_x_m,tip_y_m,tip_z_m,heel_x_m,heel_y_m,heel_z_m");
+        "max_energy_ratio,kkt_residual,max_penetration_m,kinetic_energy_J,elastic_energy_J,potential_energy_J,wall_ms,"
+        "contacts_obstacles,contacts_bodies,contacts_self,substeps");
+  // what came later stands behind the probes, whose places scripts know, too
+  CHECK(steps_header({"tip", "heel"})
+            .find(",wall_ms,tip_x_m,tip_y_m,tip_z_m,heel_x_m,heel_y_m,heel_z_m,contacts_obstacles,contacts_bodies,") !=
+        std::string::npos);
 }
 
 TEST_CASE("a row has one value for each column") {
   StepRow with_probe = row(6);
   with_probe.probes = {Vector3d(0.5, -0.25, 1e-9)};
-  CHECK(format_step(with_probe) == "6,7,0.1,iteration_limit,56,3,0,0,0,0,0,1.0005,0,0,0,0,0,1.250,0.5,-0.25,1e-09");
+  with_probe.report.contacts = 9;
+  with_probe.report.contacts_obstacles = 2;
+  with_probe.report.contacts_between = 3;
+  with_probe.report.contacts_within = 4;
+  CHECK(format_step(with_probe) ==
+        "6,7,0.1,iteration_limit,56,3,9,0,0,0,0,1.0005,0,0,0,0,0,1.250,0.5,-0.25,1e-09,2,3,4,1");
 }
 
 TEST_CASE("rows are appended and read back") {
@@ -61,6 +70,7 @@ TEST_CASE("rows are appended and read back") {
   CHECK(found.columns.at("time_s") == std::vector<double>{1.0 / 60, 2.0 / 60, 3.0 / 60});
   CHECK(found.columns.at("limits_active") == std::vector<double>{3, 3, 3});
   CHECK(found.columns.at("wall_ms") == std::vector<double>{1.25, 1.25, 1.25});
+  CHECK(found.columns.at("substeps") == std::vector<double>{1, 1, 1});
 }
 
 TEST_CASE("a run that goes on keeps the rows up to its state and loses the rest") {

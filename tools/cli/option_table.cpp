@@ -46,6 +46,9 @@ Table run_table() {
       {.name = "--strict",
        .description = "end with exit code 75 when a step does not converge",
        .target = &Options::strict},
+      {.name = "--allow-overlap",
+       .description = "start although bodies are deep inside each other (clip.allow_overlap)",
+       .target = &Options::allow_overlap},
       {.name = "--quick",
        .description = "few samples and small pictures, for a first look",
        .target = &Options::quick}};

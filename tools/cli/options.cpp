@@ -39,6 +39,7 @@ std::vector<Override> scene_overrides(const Options& options) {
     overrides.push_back({"render.size", "[320, 180]"});
     overrides.push_back({"render.samples", "4"});
   }
+  if (options.allow_overlap) overrides.push_back({"clip.allow_overlap", "true"});
   for (const std::string& setting : options.settings) overrides.push_back(parse_override(setting));
   if (options.engine) overrides.push_back({"render.engine", *options.engine});
   if (options.samples) overrides.push_back({"render.samples", std::to_string(*options.samples)});

@@ -25,6 +25,7 @@ struct Options {
   std::optional<int> threads;
   std::optional<std::string> memory;  // "8G": parse_memory() reads it
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, json = false;
+  bool allow_overlap = false;
   std::optional<std::string> progress;  // "auto" | "plain" | "json"
 
   std::optional<std::string> engine;  // "embree" | "osmesa"

@@ -24,9 +24,10 @@ Verb drop_verb() {
               "Stiffness goes with the size, so that a large and a small body sag by the same share of their height.",
           .examples = {"umax drop bunny.ply --height \"20 cm\" --stretch 10%"},
           .arguments = {.endings = {"*"}},
-          .options = {"--output", "--set",     "--frames",  "--resume", "--overwrite", "--strict", "--quick",
-                      "--engine", "--samples", "--size",    "--seed",   "--height",    "--unit",   "--up",
-                      "--cells",  "--stretch", "--threads", "--memory", "--progress",  "--quiet",  "--verbose"},
+          .options = {"--output",        "--set",      "--frames", "--resume",  "--overwrite", "--strict",
+                      "--allow-overlap", "--quick",    "--engine", "--samples", "--size",      "--seed",
+                      "--height",        "--unit",     "--up",     "--cells",   "--stretch",   "--threads",
+                      "--memory",        "--progress", "--quiet",  "--verbose"},
           .run = drop_mesh};
 }
 

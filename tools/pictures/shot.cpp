@@ -32,7 +32,7 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
 /// The hexes' values at a body's vertices: of the hex that holds it, unsmoothed, so that a limit that is reached looks
 /// like one; of a vertex that is a node, the largest of its hexes.
 VectorXd values_at_vertices(const BodySetup& body, const VectorXd& heat) {
-  const VectorXi& hex = body.embedding.points.hex;
+  const VectorXi& hex = body.embedding->hex;
   VectorXd values(hex.size());
   for (Eigen::Index p = 0; p < hex.size(); ++p) values[p] = heat[body.first_hex + hex[p]];
   if (!body.shape.hexes || !body.shape.hexes->are_the_body()) return values;
@@ -57,7 +57,7 @@ RenderObject draw_body(const Simulation& simulation, std::size_t index, const St
                        const std::optional<Legend>& legend) {
   const BodySetup& body = simulation.bodies[index];
   auto mesh = std::make_shared<TriangleMesh>(body.shape.mesh);
-  deform(body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
+  deform(*body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
          *mesh);
 
   RenderObject object{.name = body.name, .mesh = mesh, .look = simulation.scene.bodies[index].look};
@@ -110,7 +110,7 @@ AreaLight area_light(const LightDescription& description) {
 }
 
 Box box_of(const BodySetup& body, const Points& nodes) {
-  const Points points = deform_points(body.embedding.points, body.lattice.hexes,
+  const Points points = deform_points(points_of(*body.embedding), body.lattice.hexes,
                                       nodes.middleRows(body.first_node, body.lattice.num_nodes()));
   return {Vector3d(points.colwise().minCoeff().transpose()), Vector3d(points.colwise().maxCoeff().transpose())};
 }

@@ -11,6 +11,7 @@ std::vector<std::string> paper_settings(const std::string& body) {
           body + ".rotation=[0,0,0]",
           body + ".drop_height=2 m",
           body + ".friction=0.5",
+          body + ".contact=obstacles",
           body + ".cage.cells=365",
           body + ".material.young=500 kPa",
           body + ".material.poisson=0.3",

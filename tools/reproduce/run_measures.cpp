@@ -22,7 +22,7 @@ Vector3d centre_of_mass(const Model& model, const State& state) {
 
 Points surface_points(const Run& run, const State& state) {
   const BodySetup& body = run.simulation->bodies.front();
-  return deform_points(body.embedding.points, body.lattice.hexes, state.positions);
+  return deform_points(points_of(*body.embedding), body.lattice.hexes, state.positions);
 }
 
 double highest_point(const Run& run, const State& state) {

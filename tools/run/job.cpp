@@ -1,4 +1,5 @@
 #include "tools/run/job.h"
+#include "tools/setup/body_contact.h"
 
 #include <fmt/format.h>
 
@@ -204,6 +205,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const auto set_up_now =
       job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene, watch));
   const Simulation& simulation = *set_up_now;
+  if (job.simulate && !simulation.scene.clip.allow_overlap) require_clear_start(simulation.model);
   for (const std::string& warning : simulation.warnings) progress.warning(warning);
   for (const BodySetup& body : simulation.bodies)
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),

@@ -22,6 +22,9 @@ constexpr const char* fixed_columns =
     "step,frame,time_s,status,hexes,limits_active,contacts,sqp_iterations,factorisations,linear_iterations,retries,"
     "max_energy_ratio,kkt_residual,max_penetration_m,kinetic_energy_J,elastic_energy_J,potential_energy_J,wall_ms";
 
+// behind the probes, so that none of the columns before has moved since there were no others
+constexpr const char* later_columns = ",contacts_obstacles,contacts_bodies,contacts_self,substeps";
+
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
   throw Error(Fault::io_error, {path.string(), what + " (" + std::strerror(errno) + ")", "",
                                 "make room on the disk, then go on with --resume"});
@@ -73,7 +76,7 @@ std::string steps_header(const std::vector<std::string>& probes) {
   std::string header = fixed_columns;
   for (const std::string& probe : probes)
     for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",{}_{}_m", probe, axis);
-  return header;
+  return header + later_columns;
 }
 
 const char* status_name(StepStatus status) {
@@ -96,7 +99,7 @@ std::string format_step(const StepRow& row) {
                   r.linear_iterations, r.retries, r.max_energy_ratio, r.kkt_residual, r.max_penetration,
                   r.kinetic_energy, r.elastic_energy, r.potential_energy, row.wall_ms);
   for (const Vector3d& probe : row.probes) text += fmt::format(",{},{},{}", probe.x(), probe.y(), probe.z());
-  return text;
+  return text + fmt::format(",{},{},{},{}", r.contacts_obstacles, r.contacts_between, r.contacts_within, r.substeps);
 }
 
 StepsFound read_steps(const std::filesystem::path& path, const std::string& header) {

@@ -21,7 +21,7 @@ struct StepRow {
   std::vector<Vector3d> probes;  // [m] in the order of the header's names
 };
 
-/// The header row, with three columns for each probe behind the fixed ones. No line end.
+/// The header row: the columns of every run, three for each probe, and what came later. No line end.
 std::string steps_header(const std::vector<std::string>& probes);
 std::string format_step(const StepRow& row);
 const char* status_name(StepStatus status);

@@ -11,53 +11,17 @@
 #include "core/model/hex_limits.h"
 #include "core/problem/linear_plan.h"
 #include "embedding/cage/hex_cage.h"
-#include "embedding/figure/figure.h"
-#include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/distance_grid.h"
-#include "embedding/surface/hex_faces.h"
 #include "embedding/surface/placement.h"
 #include "embedding/surface/shapes.h"
 #include "render/image/image_io.h"
+#include "tools/setup/body_contact.h"
 #include "tools/setup/body_maps.h"
 #include "tools/setup/limit_report.h"
 #include "tools/setup/named_error.h"
 
 namespace umax {
 namespace {
-
-PlacedMesh read_hexes(const std::filesystem::path& path) {
-  HexMesh hexes = load_hex_mesh(path);
-  HexSurface surface = surface_of(hexes.nodes, hexes.hexes);
-  std::vector<std::string> notes = hexes.notes;
-  return {.mesh = std::move(surface.mesh),
-          .texture = {},
-          .notes = std::move(notes),
-          .hexes = PlacedHexes{std::move(hexes), std::move(surface.nodes)}};
-}
-
-PlacedMesh read_shape(const MeshSource& source, Placement& placement) {
-  if (is_hex_mesh_file(source.path)) {
-    placement.unit = source.unit;
-    placement.up = source.up;
-    return read_hexes(source.path);
-  }
-  MeshFile file = load_mesh(source.path);
-  placement.unit = source.unit ? source.unit : file.unit;
-  placement.up = source.up ? source.up : file.up;
-  return {std::move(file.mesh), std::move(file.texture), std::move(file.notes), file.num_parts};
-}
-PlacedMesh read_shape(const BoxShape& box, Placement&) {
-  return {.mesh = make_box(box.size), .texture = {}, .notes = {}};
-}
-PlacedMesh read_shape(const SphereShape& sphere, Placement&) {
-  return {.mesh = make_sphere(sphere.radius), .texture = {}, .notes = {}};
-}
-PlacedMesh read_shape(const CylinderShape& cylinder, Placement&) {
-  return {.mesh = make_cylinder(cylinder.radius, cylinder.length), .texture = {}, .notes = {}};
-}
-PlacedMesh read_shape(const FigureShape&, Placement&) {
-  return {.mesh = make_figure(), .texture = {}, .notes = {}};
-}
 
 Vector3d lowest(const TriangleMesh& mesh) {
   return mesh.positions.colwise().minCoeff().transpose();
@@ -66,23 +30,9 @@ Vector3d highest(const TriangleMesh& mesh) {
   return mesh.positions.colwise().maxCoeff().transpose();
 }
 
-/// Reads cage.mesh. Its notes become the shape's.
-void read_cage_mesh(const MeshSource& source, PlacedMesh& shape) {
-  shape.hexes = PlacedHexes{load_hex_mesh(source.path), {}};
-  shape.notes.insert(shape.notes.end(), shape.hexes->mesh.notes.begin(), shape.hexes->mesh.notes.end());
-}
-
-/// Vertices that are nodes stand where their nodes stand, to the last bit.
-void tie_to_nodes(PlacedMesh& shape) {
-  if (!shape.hexes) return;
-  const std::vector<int>& nodes = shape.hexes->surface_nodes;
-  for (std::size_t v = 0; v < nodes.size(); ++v)
-    shape.mesh.positions.row(Eigen::Index(v)) = shape.hexes->mesh.nodes.row(nodes[v]);
-}
-
 /// Moves the mesh up or down until its lowest point is drop_height above the highest obstacle below it.
 void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacles, PlacedMesh& shape) {
-  TriangleMesh& mesh = shape.mesh;
+  const TriangleMesh& mesh = shape.mesh;
   double top = -std::numeric_limits<double>::infinity();
   for (const Obstacle& obstacle : obstacles)
     top = std::max(top, highest_point_below(obstacle, 0, lowest(mesh), highest(mesh)));
@@ -91,11 +41,7 @@ void apply_drop_height(double drop_height, const std::vector<Obstacle>& obstacle
                                   .what = "there is no obstacle below the body",
                                   .value = fmt::format("{} m", drop_height),
                                   .remedy = "add [obstacle.ground], or give position instead"});
-  const double by = top + drop_height - lowest(mesh).y();
-  shape.world_from_file.pretranslate(Vector3d(0, by, 0));
-  mesh.positions.col(1).array() += by;
-  if (shape.hexes) shape.hexes->mesh.nodes.col(1).array() += by;
-  tie_to_nodes(shape);
+  move_shape(Vector3d(0, top + drop_height - lowest(mesh).y(), 0), shape);
 }
 
 std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattice& lattice) {
@@ -123,7 +69,7 @@ std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattic
 }
 
 std::shared_ptr<const Image> read_texture(const BodyDescription& description, const PlacedMesh& shape,
-                                          std::vector<std::string>& warnings) {
+                                          ShapeLibrary& library, std::vector<std::string>& warnings) {
   const bool chosen = !description.texture_path.empty();
   const std::filesystem::path& path = chosen ? description.texture_path : shape.texture;
   std::error_code error;
@@ -139,12 +85,40 @@ std::shared_ptr<const Image> read_texture(const BodyDescription& description, co
                                    description.name, path.string()));
     return nullptr;
   }
-  return std::make_shared<const Image>(read_image(path));
+  return texture_at(path, library);
 }
 
-BodySetup cage_body(const BodyDescription& description, const std::vector<Obstacle>& obstacles) {
+bool has_same_cage(const CageDescription& a, const CageDescription& b) {
+  if (std::holds_alternative<MeshSource>(a.size) || std::holds_alternative<MeshSource>(b.size)) return false;
+  const CageOptions options_a = cage_options(a), options_b = cage_options(b);
+  return options_a.size == options_b.size && options_a.whole_box == options_b.whole_box;
+}
+
+/// The first of the bodies so far that differs from the shape in its place alone; null: none.
+const BodySetup* find_twin(const Scene& scene, const std::vector<BodySetup>& caged, const BodyDescription& description,
+                           const PlacedMesh& shape) {
+  if (shape.hexes) return nullptr;
+  for (std::size_t i = 0; i < caged.size(); ++i)
+    if (caged[i].shape.own == shape.own && caged[i].shape.world_from_file.linear() == shape.world_from_file.linear() &&
+        has_same_cage(scene.bodies[i].cage, description.cage))
+      return &caged[i];
+  return nullptr;
+}
+
+/// The twin's cage, moved.
+void take_cage(const BodySetup& twin, BodySetup& setup) {
+  const Vector3d by = setup.shape.world_from_file.translation() - twin.shape.world_from_file.translation();
+  setup.lattice = make_lattice(twin.lattice.cells, twin.lattice.origin + by, twin.lattice.cell_size);
+  setup.lattice.filled_fraction = twin.lattice.filled_fraction;
+  setup.cage = twin.cage;
+  setup.embedding = twin.embedding;
+}
+
+BodySetup cage_body(const Scene& scene, const std::vector<BodySetup>& caged, const std::vector<Obstacle>& obstacles,
+                    ShapeLibrary& library) {
+  const BodyDescription& description = scene.bodies[caged.size()];
   BodySetup setup{.name = description.name,
-                  .shape = place_body(description),
+                  .shape = place_body(description, library),
                   .lattice = {},
                   .cage = {},
                   .embedding = {},
@@ -152,10 +126,14 @@ BodySetup cage_body(const BodyDescription& description, const std::vector<Obstac
   named("body." + description.name, [&] {
     if (description.drop_height) apply_drop_height(*description.drop_height, obstacles, setup.shape);
     const PlacedMesh& shape = setup.shape;
+    if (const BodySetup* twin = find_twin(scene, caged, description, shape)) {
+      take_cage(*twin, setup);
+      return 0;
+    }
     setup.lattice = shape.hexes ? make_hex_cage(shape.mesh, shape.hexes->mesh.nodes, shape.hexes->mesh.hexes,
                                                 {.is_the_body = shape.hexes->are_the_body()}, &setup.cage)
                                 : voxelize(shape.mesh, cage_options(description.cage), &setup.cage);
-    setup.embedding = embed(setup.shape.mesh, setup.lattice);
+    setup.embedding = std::make_shared<const Embedding>(embed(setup.shape.mesh, setup.lattice));
     return 0;
   });
   return setup;
@@ -169,6 +147,7 @@ Body make_body(const BodyDescription& description, const BodySetup& setup, bool 
   body.limit = description.limit;
   body.part_limits = description.part_limits;
   body.friction = description.friction;
+  body.contact = description.contact;
   body.velocity = description.velocity;
   body.spin = description.spin_degrees * (EIGEN_PI / 180);
   body.fixed_nodes =
@@ -177,8 +156,7 @@ Body make_body(const BodyDescription& description, const BodySetup& setup, bool 
     body.young_factor = setup.shape.hexes->mesh.young_factor;
     body.limit_factor = setup.shape.hexes->mesh.limit_factor;
   }
-  body.surface = setup.embedding.points;
-  body.surface_rest = setup.shape.mesh.positions;
+  body.surface = points_of(*setup.embedding);
   if (needs_distance)
     body.rest_distance = std::make_shared<const SampledDistance>(make_distance_grid(setup.shape.mesh));
   return body;
@@ -231,23 +209,6 @@ void warn_of_penetration(const Simulation& simulation, std::vector<std::string>&
 
 }  // namespace
 
-PlacedMesh place_body(const BodyDescription& body) {
-  return named("body." + body.name, [&] {
-    Placement placement{.unit = {},
-                        .up = {},
-                        .height = body.height,
-                        .scale = body.scale,
-                        .rotation_degrees = body.rotation_degrees,
-                        .position = body.position};
-    PlacedMesh shape = std::visit([&](const auto& source) { return read_shape(source, placement); }, body.source);
-    if (const auto* cage = std::get_if<MeshSource>(&body.cage.size)) read_cage_mesh(*cage, shape);
-    shape.world_from_file = place(shape.mesh, placement, shape.hexes ? &shape.hexes->mesh.nodes : nullptr);
-    tie_to_nodes(shape);
-    if (shape.mesh.normals.rows() == 0) compute_normals(shape.mesh);
-    return shape;
-  });
-}
-
 CageOptions cage_options(const CageDescription& cage) {
   CageOptions options{.whole_box = cage.clip == CageDescription::Clip::box};
   if (const int* count = std::get_if<int>(&cage.size)) options.size = *count;
@@ -256,7 +217,7 @@ CageOptions cage_options(const CageDescription& cage) {
   return options;
 }
 
-Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup) {
+Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup, ShapeLibrary& library) {
   Obstacle obstacle;
   obstacle.name = description.name;
   obstacle.friction = description.friction;
@@ -272,10 +233,11 @@ Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& se
     setup.mesh = std::make_shared<const TriangleMesh>(make_box(2 * block->half_size));
   } else {
     named("obstacle." + description.name, [&] {
-      Placement placement{
-          .unit = {}, .up = {}, .height = description.height, .scale = description.scale, .position = {}};
-      TriangleMesh mesh = read_shape(std::get<MeshSource>(description.shape), placement).mesh;
-      place(mesh, placement);
+      const auto own = own_shape(std::get<MeshSource>(description.shape), library);
+      TriangleMesh mesh = own->mesh;
+      place(
+          mesh,
+          {.unit = own->unit, .up = own->up, .height = description.height, .scale = description.scale, .position = {}});
       compute_normals(mesh);
       const double extent = (highest(mesh) - lowest(mesh)).maxCoeff();
       MeshShape shape;
@@ -296,22 +258,28 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   simulation.options.gravity = scene.clip.gravity;
   simulation.options.solver = scene.solver;
 
+  ShapeLibrary library;
   std::vector<Obstacle> obstacles;
   for (const ObstacleDescription& description : scene.obstacles)
-    obstacles.push_back(make_obstacle(description, simulation.obstacles.emplace_back()));
+    obstacles.push_back(make_obstacle(description, simulation.obstacles.emplace_back(), library));
 
   const bool needs_distance = std::any_of(obstacles.begin(), obstacles.end(), has_edges);
+  const std::vector<char> is_touched = touched_bodies(scene);
   std::vector<Body> bodies;
   for (const BodyDescription& description : scene.bodies) {
-    BodySetup& setup = simulation.bodies.emplace_back(cage_body(description, obstacles));
+    BodySetup& setup = simulation.bodies.emplace_back(cage_body(scene, simulation.bodies, obstacles, library));
     if (watch) watch(simulation.bodies);
     for (const std::string& note : setup.shape.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
     for (const std::string& note : setup.cage.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
-    setup.texture = read_texture(description, setup.shape, simulation.warnings);
+    setup.texture = read_texture(description, setup.shape, library, simulation.warnings);
     bodies.push_back(make_body(description, setup, needs_distance));
+    if (is_touched[bodies.size() - 1]) {
+      bodies.back().rest_surface = rest_surface(setup.shape, library);
+      bodies.back().rest_pose = rest_pose(setup.shape);
+    }
     apply_maps(description, setup, bodies.back(), simulation.warnings);
   }
-  simulation.model = make_model(bodies, obstacles);
+  simulation.model = make_model(std::move(bodies), obstacles, make_pairs(scene));
   require_measurable(simulation.model, scene.solver.energy);
   require_solvable(plan_linear_solvers(simulation.model, scene.solver), scene.solver);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
@@ -321,6 +289,8 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   simulation.probes = embed_probes(scene, simulation.bodies);
   simulation.digest = model_digest(simulation.model, simulation.options);
   warn_of_penetration(simulation, simulation.warnings);
+  warn_of_open_meshes(simulation.model, simulation.warnings);
+  warn_of_overlaps(simulation.model, simulation.warnings);
   warn_of_sudden_limits(simulation, simulation.warnings);
   return simulation;
 }

@@ -1,7 +1,6 @@
 // From a scene to what can be simulated and drawn: meshes read and placed, cages built, surfaces embedded, model made.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,31 +9,14 @@
 
 #include "embedding/cage/voxelize.h"
 #include "embedding/embedding.h"
-#include "embedding/hex_files/hex_mesh_io.h"
 #include "embedding/maps/factor_map.h"
 #include "embedding/surface/mesh_report.h"
 #include "render/image/image.h"
 #include "scenes/scene.h"
+#include "tools/setup/body_shape.h"
 #include "tools/setup/state_file.h"
 
 namespace umax {
-
-/// Hexes from a file that are a body's cage, in world coordinates at time 0.
-struct PlacedHexes {
-  HexMesh mesh;                    // nodes in metres
-  std::vector<int> surface_nodes;  // #V node of every vertex of the body's surface; empty: the surface is another's
-  bool are_the_body() const { return !surface_nodes.empty(); }
-};
-
-/// A body's shape, before it has a cage.
-struct PlacedMesh {
-  TriangleMesh mesh;                                              // world coordinates at time 0 [m], with normals
-  std::filesystem::path texture;                                  // colour texture; may be empty
-  std::vector<std::string> notes;                                 // what the file's reader found
-  int num_parts = 1;                                              // objects in the file
-  std::optional<PlacedHexes> hexes = std::nullopt;                // of the mesh file or of cage.mesh
-  Eigen::Affine3d world_from_file = Eigen::Affine3d::Identity();  // from the mesh file's own coordinates [m]
-};
 
 /// A map as it acts on a body's hexes.
 struct BodyMap {
@@ -49,7 +31,7 @@ struct BodySetup {
   PlacedMesh shape;
   Lattice lattice;
   CageReport cage;
-  Embedding embedding;
+  std::shared_ptr<const Embedding> embedding;  // shared by bodies that differ in their place alone
   Eigen::Index first_node = 0, first_hex = 0;  // in the model
   std::shared_ptr<const Image> texture;        // linear; null: none
   std::optional<BodyMap> young_map = std::nullopt, limit_map = std::nullopt;
@@ -71,14 +53,11 @@ struct Simulation {
   int last_frame() const { return scene.clip.frames; }
 };
 
-/// Reads or makes the body's mesh and puts it where the scene says, but for drop_height. Throws Error naming the body.
-PlacedMesh place_body(const BodyDescription& body);
-
 /// The cage options that a scene's cage key means; not for cage.mesh.
 CageOptions cage_options(const CageDescription& cage);
 
 /// The model's obstacle and the mesh to draw it. Throws Error naming the obstacle.
-Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup);
+Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup, ShapeLibrary& library);
 
 /// Called with the bodies so far whenever one has its cage; may throw before more memory is taken.
 using CageWatch = std::function<void(const std::vector<BodySetup>&)>;

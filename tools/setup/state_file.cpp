@@ -14,24 +14,32 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "state files are little-endian");
 
 constexpr std::string_view magic = "UMAXSTAT";
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 constexpr std::size_t digest_size = 64, header_size = 8 + 4 + 4 + digest_size;
 
 // Structures are taken apart by structured bindings with all their members: one that is added and forgotten here does
 // not compile.
 
-/// Values one after another, as the bytes that they have in memory.
+/// Values one after another, as the bytes that they have in memory: to be kept, or for their digest alone.
 class Writer {
  public:
+  explicit Writer(Sha256* digest = nullptr) : digest_(digest) {}
+
   template <class T>
   void put(T value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    put_bytes(&value, sizeof value);
   }
   template <class... T>
   void put_all(T... values) {
     (put(values), ...);
   }
-  void put_bytes(const void* values, std::size_t count) { bytes.append(static_cast<const char*>(values), count); }
+  void put_bytes(const void* values, std::size_t count) {
+    const auto* start = static_cast<const char*>(values);
+    if (digest_)
+      digest_->add({start, count});
+    else
+      bytes.append(start, count);
+  }
   /// Number of rows, then the values.
   template <class Matrix>
   void put_matrix(const Matrix& matrix) {
@@ -39,6 +47,9 @@ class Writer {
     put_bytes(matrix.data(), std::size_t(matrix.size()) * sizeof(typename Matrix::Scalar));
   }
   std::string bytes;
+
+ private:
+  Sha256* digest_ = nullptr;
 };
 
 // ---- model digest ----
@@ -101,7 +112,7 @@ void add_part_limits(Writer& out, const PartLimitOptions& limits) {
 
 void add_body(Writer& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
-               friction, cell_size, cells, cell_edges, rest_distance] = body;
+               friction, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose] = body;
   static_cast<void>(cells);  // they and cell_edges follow from the nodes and hexes
   static_cast<void>(cell_edges);
   out.put_bytes(name.data(), name.size());
@@ -109,8 +120,19 @@ void add_body(Writer& out, const Model::BodyRange& body) {
   add_material(out, material);
   add_limit(out, limit);
   add_part_limits(out, part_limits);
-  out.put_all(friction, cell_size);
+  out.put_all(friction, contact, cell_size);
   add_distance(out, rest_distance.get());
+  out.put(std::uint8_t(rest_surface != nullptr));
+  if (!rest_surface) return;
+  out.put_matrix(rest_surface->vertices);
+  out.put_matrix(rest_surface->triangles);
+  out.put_matrix(rest_pose.rotation);
+  out.put_matrix(rest_pose.translation);
+}
+
+void add_pair(Writer& out, const BodyPair& pair) {
+  const auto& [a, b, touch, friction] = pair;
+  out.put_all(a, b, touch, std::uint8_t(friction.has_value()), friction.value_or(0));
 }
 
 void add_obstacle(Writer& out, const Obstacle& obstacle) {
@@ -203,17 +225,17 @@ Reader open_state(std::string_view bytes, const std::string& where, Digest& mode
 
 // Edge points of obstacles have the numbers below zero.
 std::int32_t number_of(const ContactPoint& point) {
-  return point.kind == ContactKind::vertex ? point.index : -1 - point.index;
+  return point.kind == ContactKind::obstacle_edge ? -1 - point.index : point.index;
 }
-ContactPoint point_of(std::int32_t number) {
-  if (number >= 0) return {ContactKind::vertex, number};
-  return {ContactKind::obstacle_edge, -1 - number};
+ContactPoint point_of(std::int32_t number, int obstacle) {
+  if (number < 0) return {ContactKind::obstacle_edge, -1 - number};
+  return {obstacle < 0 ? ContactKind::surface : ContactKind::vertex, number};
 }
 
 }  // namespace
 
 Digest model_digest(const Model& model, const StepOptions& options) {
-  const auto& [bodies, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, corners,
+  const auto& [bodies, pairs, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, corners,
                corner_starts, shapes, hex_shape, hex_body, young_factor, limit_factor, fibre_directions, limits,
                limit_starts, limit_forms, surface] = model;
   static_cast<void>(corners);  // these two from the hexes
@@ -222,9 +244,11 @@ Digest model_digest(const Model& model, const StepOptions& options) {
   static_cast<void>(limits);  // these three from the bodies' limits and the fibre directions
   static_cast<void>(limit_starts);
   static_cast<void>(limit_forms);
-  Writer out;
+  Sha256 digest;
+  Writer out(&digest);
   out.put(version);
   for (const auto& body : bodies) add_body(out, body);
+  for (const auto& pair : pairs) add_pair(out, pair);
   for (const auto& obstacle : obstacles) add_obstacle(out, obstacle);
   out.put_matrix(rest_positions);
   out.put_matrix(initial_velocities);
@@ -239,7 +263,7 @@ Digest model_digest(const Model& model, const StepOptions& options) {
   out.put_matrix(surface.hex);
   out.put_matrix(surface.weights);
   add_options(out, options);
-  return sha256_hex(out.bytes);
+  return digest.hex();
 }
 
 std::string encode_state(const State& state, const Digest& model) {
@@ -254,8 +278,8 @@ std::string encode_state(const State& state, const Digest& model) {
   writer.put_matrix(limit_multipliers);
   writer.put(std::uint64_t(contacts.size()));
   for (const auto& contact : contacts) {
-    const auto& [point, obstacle, hex, impulse] = contact;
-    writer.put_all(number_of(point), std::int32_t(obstacle), std::int32_t(hex), std::int32_t(0));
+    const auto& [point, obstacle, hex, other_hex, impulse] = contact;
+    writer.put_all(number_of(point), std::int32_t(obstacle), std::int32_t(hex), std::int32_t(other_hex));
     writer.put_all(impulse.x(), impulse.y(), impulse.z());
   }
   writer.bytes.append(sha256_hex(writer.bytes));
@@ -273,10 +297,11 @@ State decode_state(std::string_view bytes, const std::string& where, Digest& mod
   state.limit_multipliers = reader.get_vector();
   state.contacts.resize(reader.get_count(4 * sizeof(std::int32_t) + 3 * sizeof(double)));
   for (auto& contact : state.contacts) {
-    contact.point = point_of(reader.get<std::int32_t>());
+    const auto number = reader.get<std::int32_t>();
     contact.obstacle = reader.get<std::int32_t>();
+    contact.point = point_of(number, contact.obstacle);
     contact.hex = reader.get<std::int32_t>();
-    reader.get<std::int32_t>();
+    contact.other_hex = reader.get<std::int32_t>();
     for (int axis = 0; axis < 3; ++axis) contact.impulse[axis] = reader.get<double>();
   }
   if (!reader.at_end())

@@ -47,7 +47,8 @@ void preview_pictures(const RenderDescription& render, const std::vector<std::st
 double count_cells(const BodyDescription& body) {
   if (const int* count = std::get_if<int>(&body.cage.size)) return *count;
   if (const auto* grid = std::get_if<Vector3i>(&body.cage.size)) return double((*grid)[0]) * (*grid)[1] * (*grid)[2];
-  return double(voxelize(place_body(body).mesh, cage_options(body.cage)).num_hexes());
+  ShapeLibrary library;
+  return double(voxelize(place_body(body, library).mesh, cage_options(body.cage)).num_hexes());
 }
 
 /// Whether a limit of the body is an energy per hex.

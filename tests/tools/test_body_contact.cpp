@@ -1,0 +1,108 @@
+// Which bodies of a scene touch each other, and what is said of those that cannot.
+#include "tools/setup/body_contact.h"
+
+#include "scenes/scene_file.h"
+#include "tests/support/catch.h"
+#include "tests/tools/program.h"
+#include "tools/setup/simulation_setup.h"
+
+using namespace umax;
+
+namespace {
+
+/// Three small boxes apart, each with these keys.
+std::string three_boxes(const std::string& a, const std::string& b, const std::string& c) {
+  std::string text = "[clip]\nframes = 2\n";
+  double x = 0;
+  for (const auto& [name, keys] : {std::pair("a", a), std::pair("b", b), std::pair("c", c)}) {
+    text += "[body." + std::string(name) + "]\nshape = \"box\"\nsize = [0.2, 0.2, 0.2]\ncage.cells = [1, 1, 1]\n";
+    text += "position = [" + std::to_string(x++) + ", 1, 0]\n" + keys + "\n";
+  }
+  return text;
+}
+
+Simulation simulation_of(const std::string& text) {
+  return set_up(parse_scene({.text = text}, {}));
+}
+
+/// What is said of three boxes of which the first `num_open` have lost their inside.
+std::vector<std::string> warnings_of(Model model, int num_open) {
+  for (int i = 0; i < num_open; ++i) model.bodies[std::size_t(i)].rest_surface = nullptr;
+  std::vector<std::string> warnings;
+  warn_of_open_meshes(model, warnings);
+  return warnings;
+}
+
+}  // namespace
+
+TEST_CASE("bodies touch as their keys say, both allowing it, and pairs are exceptions") {
+  const Model model =
+      simulation_of(three_boxes("friction = 0.3", "friction = 0.6\ncontact = \"others\"", "contact = \"obstacles\"") +
+                    "[pair.slip]\nbodies = [\"b\", \"a\"]\nfriction = 0.1\n"
+                    "[pair.apart]\nbodies = [\"a\", \"a\"]\ntouch = false\n"
+                    "[pair.after_all]\nbodies = [\"a\", \"c\"]\n")
+          .model;
+  CHECK(may_touch(model, 0, 1));
+  CHECK(may_touch(model, 0, 2));        // the pair
+  CHECK_FALSE(may_touch(model, 1, 2));  // c does not allow it
+  CHECK_FALSE(may_touch(model, 0, 0));  // the pair
+  CHECK_FALSE(may_touch(model, 1, 1));  // others only
+  CHECK(friction_between(model, 0, 1) == 0.1);
+  CHECK(friction_between(model, 1, 2) == 0.6);
+  CHECK(touches_obstacles(model, 2));
+  CHECK_FALSE(touches_obstacles(simulation_of(three_boxes("", "contact = \"none\"", "")).model, 1));
+}
+
+TEST_CASE("what a body touches is part of what decides the states") {
+  const Digest all = simulation_of(three_boxes("", "", "")).digest;
+  const std::string pair = "[pair.p]\nbodies = [\"a\", \"b\"]\n";
+  CHECK(simulation_of(three_boxes("contact = \"none\"", "", "")).digest != all);
+  CHECK(simulation_of(three_boxes("", "", "") + pair).digest != all);
+  CHECK(simulation_of(three_boxes("", "", "") + pair).digest !=
+        simulation_of(three_boxes("", "", "") + pair + "friction = 0\n").digest);
+}
+
+TEST_CASE("bodies without an inside are named, so far as anything is to touch them") {
+  const Model all = simulation_of(three_boxes("", "", "")).model;
+  CHECK(warnings_of(all, 0).empty());
+  CHECK(warnings_of(all, 1) ==
+        std::vector<std::string>{
+            "body.a is an open mesh: it touches other bodies by its vertices, and others pass through it",
+            "body.a is an open mesh: its parts pass through each other; close it, or write contact = \"others\""});
+  const std::vector<std::string> of_two = warnings_of(all, 2);
+  REQUIRE(of_two.size() == 3);
+  CHECK(of_two[0] ==
+        "body.a and body.b are open meshes: they touch other bodies by their vertices, and others pass through them");
+  CHECK(of_two[1] == "body.a and body.b are open meshes: they pass through each other");
+  CHECK(warnings_of(all, 3)[0] == "body.a, body.b and body.c are open meshes: they pass through each other");
+
+  const std::string others = "contact = \"others\"", obstacles = "contact = \"obstacles\"";
+  CHECK(warnings_of(simulation_of(three_boxes(others, "", "")).model, 1).size() == 1);
+  CHECK(warnings_of(simulation_of(three_boxes(obstacles, "", "")).model, 1).empty());
+  CHECK(warnings_of(simulation_of(three_boxes("contact = \"none\"", "", "")).model, 1).empty());
+  // the one other body that it could touch does not allow it
+  CHECK(warnings_of(simulation_of(three_boxes(others, obstacles, obstacles)).model, 1).empty());
+}
+
+TEST_CASE("a run counts its contacts by what is touched") {
+  const TemporaryFolder folder;
+  const auto run = folder / "run";
+  REQUIRE(exit_code_of({"simulate", write_scene(folder, block_scene()).string(), "-o", run.string(), "--quiet"}) == 0);
+  std::string steps = file_text(run / "steps.csv");
+  long long touching = 0;
+  for (std::size_t line = steps.find('\n') + 1; line < steps.size(); line = steps.find('\n', line) + 1) {
+    std::vector<std::string> values(1);
+    for (std::size_t at = line; steps[at] != '\n'; ++at)
+      if (steps[at] == ',')
+        values.emplace_back();
+      else
+        values.back() += steps[at];
+    REQUIRE(values.size() == 18 + 3 + 4);
+    CHECK(values[21] == values[6]);  // all contacts are with the ground
+    CHECK(values[22] == "0");
+    CHECK(values[23] == "0");
+    CHECK(values[24] == "1");
+    touching += values[6] != "0";
+  }
+  CHECK(touching > 3);
+}

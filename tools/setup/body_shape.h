@@ -1,0 +1,88 @@
+// The shapes of bodies: read or made, once for all bodies that have one in common, and put where the scene says.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/triangle_mesh.h"
+#include "core/model/rest_surface.h"
+#include "embedding/hex_files/hex_mesh_io.h"
+#include "embedding/surface/placement.h"
+#include "render/image/image.h"
+#include "scenes/scene.h"
+
+namespace umax {
+
+/// Hexes from a file that are a body's cage.
+struct PlacedHexes {
+  HexMesh mesh;                    // nodes where the body's mesh is, and in its unit
+  std::vector<int> surface_nodes;  // #V node of every vertex of the body's surface; empty: the surface is another's
+  bool are_the_body() const { return !surface_nodes.empty(); }
+};
+
+/// A shape as its file or the scene's key gives it, in its own unit and axes.
+struct OwnShape {
+  TriangleMesh mesh;
+  std::filesystem::path texture;     // colour texture; may be empty
+  std::vector<std::string> notes;    // what the file's reader found
+  int num_parts = 1;                 // objects in the file
+  std::optional<PlacedHexes> hexes;  // of a file of hexes, whose surface is the mesh
+  std::optional<double> unit;        // [m] where the scene or the file says
+  std::optional<std::string> up;
+};
+
+/// What the bodies of a scene have in common: each shape is read once, and has one surface of each size.
+struct ShapeLibrary {
+  struct Shape {
+    BodySource source;
+    std::shared_ptr<const OwnShape> own;
+  };
+  struct Surface {
+    const OwnShape* own = nullptr;
+    double scale = 0;
+    std::shared_ptr<const RestSurface> surface;
+  };
+  struct Texture {
+    std::filesystem::path path;
+    std::shared_ptr<const Image> image;
+  };
+  std::vector<Shape> shapes;
+  std::vector<Surface> surfaces;
+  std::vector<Texture> textures;
+};
+
+/// Reads or makes the shape unless the library has it. Throws Error (bad_data, not_found).
+std::shared_ptr<const OwnShape> own_shape(const BodySource& source, ShapeLibrary& library);
+
+/// Reads the picture unless the library has it. Throws Error (bad_data, not_found).
+std::shared_ptr<const Image> texture_at(const std::filesystem::path& path, ShapeLibrary& library);
+
+/// A body's shape, before it has a cage.
+struct PlacedMesh {
+  TriangleMesh mesh;                                              // world coordinates at time 0 [m], with normals
+  std::filesystem::path texture;                                  // colour texture; may be empty
+  std::vector<std::string> notes;                                 // what the file's reader found
+  int num_parts = 1;                                              // objects in the file
+  std::optional<PlacedHexes> hexes = std::nullopt;                // of the mesh file or of cage.mesh, likewise placed
+  Eigen::Affine3d world_from_file = Eigen::Affine3d::Identity();  // from the mesh file's own coordinates [m]
+  double scale = 1;                                               // [m] of one of its units
+  std::shared_ptr<const OwnShape> own = nullptr;                  // that was placed
+};
+
+/// Reads or makes the body's mesh and puts it where the scene says, but for drop_height. Throws Error naming the body.
+PlacedMesh place_body(const BodyDescription& body, ShapeLibrary& library);
+
+/// Moves the shape along.
+void move_shape(const Vector3d& by, PlacedMesh& shape);
+
+/// What others hit of the shape: its surface, in metres but not turned and not moved. Null: it has no inside.
+std::shared_ptr<const RestSurface> rest_surface(const PlacedMesh& shape, ShapeLibrary& library);
+
+/// Where that surface's frame is in the world at time 0.
+Pose rest_pose(const PlacedMesh& shape);
+
+}  // namespace umax
