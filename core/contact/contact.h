@@ -70,6 +70,7 @@ struct ContactStep {
   std::vector<Pose> poses_t0, poses_t1;  // per obstacle
   Points positions_t0;                   // #N x 3 [m]
   std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
+  bool surfaces_touch = true;            // false: obstacles alone are touched
   Encounters encounters;                 // of hexes, where the bodies are expected
 };
 /// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.

@@ -230,7 +230,7 @@ ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const P
 }  // namespace
 
 std::vector<Contact> surface_candidates(const ContactStep& step, const Points& positions, double share) {
-  if (!step.geometry->touchable.any()) return {};
+  if (!step.surfaces_touch || !step.geometry->touchable.any()) return {};
   const Search search = search_at(step, positions);
   const std::vector<Encounter>& encounters = search.encounters;
   std::vector<std::optional<Contact>> deepest(encounters.size());

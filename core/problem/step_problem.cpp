@@ -1,6 +1,7 @@
 #include "core/problem/step_problem.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/model/hex_limits.h"
@@ -52,6 +53,9 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
   const double h = options.time_step;
   const VectorXd damping_stiffness = stiffness_damping(model);
   const bool damped = (damping_stiffness.array() > 0).any();
+  ContactStep contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
+                                           state.time, h, options.gravity.norm());
+  contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
   return {
       .model = &model,
       .options = &options,
@@ -63,8 +67,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
       .damping_mass = mass_damping(model),
       .damping_stiffness = damping_stiffness,
       .rotations_t0 = damped ? rotations_at(model, options.solver.rotation, state.positions) : std::vector<Matrix3d>{},
-      .contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
-                                    state.time, h, options.gravity.norm()),
+      .contact = std::move(contact),
       .joining_share = joining_share_for(options.solver.tolerance)};
 }
 

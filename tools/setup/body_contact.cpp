@@ -79,6 +79,17 @@ void warn_of_open_meshes(const Model& model, std::vector<std::string>& warnings)
        "their own parts pass through each other; close them, or write contact = \"others\"");
 }
 
+void warn_of_paper_method(const Model& model, SolverMethod method, std::vector<std::string>& warnings) {
+  if (method != SolverMethod::paper) return;
+  for (int a = 0; a < int(model.bodies.size()); ++a)
+    for (int b = 0; b < a; ++b)
+      if (may_touch(model, a, b)) {
+        warnings.push_back(
+            "solver.method \"paper\" knows obstacles alone: bodies pass through each other and themselves");
+        return;
+      }
+}
+
 void warn_of_overlaps(const Model& model, std::vector<std::string>& warnings) {
   for (const Overlap& overlap : find_overlaps(model, rest_state(model)))
     warnings.push_back(fmt::format("body.{} {}; they will be pushed apart slowly; move one of them to avoid it",

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/model/model.h"
+#include "core/problem/step_options.h"
 #include "scenes/scene.h"
 
 namespace umax {
@@ -18,6 +19,9 @@ std::vector<char> touched_bodies(const Scene& scene);
 /// Names the bodies whose mesh is open, so far as they are to touch other bodies or themselves: one line for each of
 /// what they cannot do, whatever their number.
 void warn_of_open_meshes(const Model& model, std::vector<std::string>& warnings);
+
+/// Says so where the scene's method, the paper's, lets several bodies pass through each other.
+void warn_of_paper_method(const Model& model, SolverMethod method, std::vector<std::string>& warnings);
 
 /// Names the bodies that start inside each other, and how deep.
 void warn_of_overlaps(const Model& model, std::vector<std::string>& warnings);

@@ -290,6 +290,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   simulation.digest = model_digest(simulation.model, simulation.options);
   warn_of_penetration(simulation, simulation.warnings);
   warn_of_open_meshes(simulation.model, simulation.warnings);
+  warn_of_paper_method(simulation.model, scene.solver.method, simulation.warnings);
   warn_of_overlaps(simulation.model, simulation.warnings);
   warn_of_sudden_limits(simulation, simulation.warnings);
   return simulation;
