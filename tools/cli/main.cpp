@@ -11,7 +11,6 @@
 #include "tools/cli/help_text.h"
 #include "tools/cli/verb.h"
 #include "tools/system/exit_code.h"
-#include "tools/system/machine_memory.h"
 #include "tools/system/version.h"
 
 namespace {
@@ -52,7 +51,6 @@ int guarded_run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // a file-size limit is a write that fails, and is reported as one
   std::signal(SIGXFSZ, SIG_IGN);
-  umax::keep_freed_memory();
   const int code = guarded_run(argc, argv);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   return code == 0 ? report(umax::Fault::io_error, "standard output cannot be written") : code;

@@ -199,6 +199,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   // before cages are made that no memory holds, and before they are filled
   const CageWatch watch = [&](const std::vector<BodySetup>& caged) {
     if (steps > 0) require_memory(size_of(job.scene, caged), job.scene, double(memory));
+    give_back_freed_memory();  // what making the cage took, before the next
   };
   watch({});
 
@@ -206,6 +207,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
       job.simulation ? job.simulation : std::make_shared<const Simulation>(set_up(job.scene, watch));
   const Simulation& simulation = *set_up_now;
   if (job.simulate && !simulation.scene.clip.allow_overlap) require_clear_start(simulation.model);
+  keep_freed_memory();
   for (const std::string& warning : simulation.warnings) progress.warning(warning);
   for (const BodySetup& body : simulation.bodies)
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),

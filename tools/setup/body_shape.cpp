@@ -8,7 +8,6 @@
 #include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/contact_surface.h"
 #include "embedding/surface/hex_faces.h"
-#include "embedding/surface/normals.h"
 #include "embedding/surface/shapes.h"
 #include "render/image/image_io.h"
 #include "tools/setup/named_error.h"
@@ -103,7 +102,8 @@ std::shared_ptr<const OwnShape> own_shape(const BodySource& source, ShapeLibrary
     return std::visit([](const auto& a, const auto& b) { return are_same(a, b); }, shape.source, source);
   });
   if (found != library.shapes.end()) return found->own;
-  auto own = std::make_shared<const OwnShape>(std::visit([](const auto& kind) { return shape_of(kind); }, source));
+  auto own = std::make_shared<OwnShape>(std::visit([](const auto& kind) { return shape_of(kind); }, source));
+  own->mesh.normals.resize(0, 3);
   library.shapes.push_back({source, own});
   return own;
 }
@@ -137,7 +137,6 @@ PlacedMesh place_body(const BodyDescription& body, ShapeLibrary& library) {
     shape.world_from_file = placed.placed_from_own;
     shape.scale = placed.scale;
     tie_to_nodes(shape);
-    if (shape.mesh.normals.rows() == 0) compute_normals(shape.mesh);
     return shape;
   });
 }

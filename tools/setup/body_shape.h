@@ -26,7 +26,7 @@ struct PlacedHexes {
 
 /// A shape as its file or the scene's key gives it, in its own unit and axes.
 struct OwnShape {
-  TriangleMesh mesh;
+  TriangleMesh mesh;                 // without normals: deform() makes them
   std::filesystem::path texture;     // colour texture; may be empty
   std::vector<std::string> notes;    // what the file's reader found
   int num_parts = 1;                 // objects in the file
@@ -63,7 +63,7 @@ std::shared_ptr<const Image> texture_at(const std::filesystem::path& path, Shape
 
 /// A body's shape, before it has a cage.
 struct PlacedMesh {
-  TriangleMesh mesh;                                              // world coordinates at time 0 [m], with normals
+  TriangleMesh mesh;                                              // world coordinates at time 0 [m], without normals
   std::filesystem::path texture;                                  // colour texture; may be empty
   std::vector<std::string> notes;                                 // what the file's reader found
   int num_parts = 1;                                              // objects in the file

@@ -93,6 +93,12 @@ void keep_freed_memory() {
 #endif
 }
 
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 std::string format_memory(double bytes) {
   const bool is_large = bytes >= gib;
   const double value = bytes / (is_large ? gib : mib);

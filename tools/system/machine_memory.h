@@ -19,6 +19,9 @@ std::optional<long long> parse_memory(const std::string& text);
 /// iteration: giving their pages back to the system, to be cleared again, took a twentieth of a step on 100,000 hexes.
 void keep_freed_memory();
 
+/// Memory that has been freed goes back to the system.
+void give_back_freed_memory();
+
 /// "1.2 GiB", "350 MiB"
 std::string format_memory(double bytes);
 
