@@ -1,8 +1,10 @@
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
+#include "tools/cli/mesh_scene.h"
 #include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
 #include "tools/setup/simulation_setup.h"
@@ -71,6 +73,53 @@ TEST_CASE("settings of the command line win over what drop chooses") {
   CHECK(std::get<int>(scene.bodies.front().cage.size) == 100);
   CHECK(scene.bodies.front().material.young.at(0) == Approx(1e6));
   CHECK(scene.clip.frames == 7);
+}
+
+TEST_CASE("several meshes are dropped in turn, apart from each other however they are turned") {
+  const TemporaryFolder folder;
+  const auto tip = write_mesh(folder);
+  make_file(folder / "a slab.obj", "v 0 0 0\nv 4 0 0\nv 0 0.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  Options options;
+  options.cells = 30;
+  const Scene scene = scene_of_meshes({tip, folder / "a slab.obj"}, 13, options);
+  CHECK(scene.name == "tip-a_slab-13");
+  REQUIRE(scene.bodies.size() == 13);
+  CHECK(scene.bodies.front().name == "a_slab_1");
+  CHECK(scene.bodies.back().name == "tip_7");
+  CHECK(scene.clip.frames > 120);
+
+  const Simulation simulation = set_up(scene);
+  for (const std::string& warning : simulation.warnings) CHECK(warning.find("starts") == std::string::npos);
+  int num_upright = 0, num_shared = 0;
+  for (std::size_t a = 0; a < simulation.bodies.size(); ++a) {
+    num_upright += scene.bodies[a].rotation_degrees.isZero();
+    for (std::size_t b = 0; b < a; ++b) {
+      const Points &p = simulation.bodies[a].shape.mesh.positions, &q = simulation.bodies[b].shape.mesh.positions;
+      const Eigen::AlignedBox3d box_a(p.colwise().minCoeff().transpose(), p.colwise().maxCoeff().transpose()),
+          box_b(q.colwise().minCoeff().transpose(), q.colwise().maxCoeff().transpose());
+      CHECK_FALSE(box_a.intersects(box_b));
+      num_shared += simulation.bodies[a].embedding == simulation.bodies[b].embedding;
+    }
+  }
+  CHECK(num_upright == 3);
+  CHECK(num_shared == 1);  // the seventh tip has the first one's turn
+}
+
+TEST_CASE("each of several meshes is dropped once, and they are named after their files") {
+  const TemporaryFolder folder;
+  const auto tip = write_mesh(folder);
+  make_file(folder / "more/tip.obj", file_text(tip));
+  make_file(folder / "\xc3\xa4.obj", file_text(tip));
+  Options options;
+  options.height = "30 cm";
+  const Scene scene = scene_of_meshes({tip, folder / "more/tip.obj", folder / "\xc3\xa4.obj"}, 3, options);
+  REQUIRE(scene.bodies.size() == 3);
+  CHECK(scene.bodies[0].name == "__");
+  CHECK(scene.bodies[1].name == "tip_1");
+  CHECK(scene.bodies[2].name == "tip_2");
+  for (const BodyDescription& body : scene.bodies) CHECK(body.scale == 0.3);
+  CHECK(error_code_of([&] { scene_of_meshes({tip, tip}, 1, options); }) == 2);
+  CHECK(error_code_of([&] { scene_of_meshes({tip, folder / "none.obj"}, 2, options); }) == 66);
 }
 
 TEST_CASE("an input is a folder, a mesh or a scene") {

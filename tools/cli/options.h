@@ -40,6 +40,7 @@ struct Options {
   std::optional<std::string> up;      // "x" | "y" | "z"
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
+  std::optional<int> count;            // drop: of bodies in all
 
   std::vector<std::string> variations;  // tune: --vary key=a,b,c
   bool final = false, presets = false;  // tune: not only a preview; every preset

@@ -21,9 +21,4 @@ InputKind kind_of_input(const std::string& input);
 /// The scene that a run's folder was made with. Throws Error (not_found) when the folder is no run's.
 Scene scene_of_run(const std::filesystem::path& folder, const std::vector<Override>& overrides);
 
-/// A scene for a mesh that comes without one: sensible cage, stiffness in proportion to its height, a limit on
-/// stretch, a studio around it. drop_height [-]: share of its height at which it starts above the ground. Throws Error
-/// (bad_data) for meshes under 1 cm or over 20 m, naming the options that mend it.
-Scene scene_of_mesh(const std::filesystem::path& path, double drop_height, const Options& options);
-
 }  // namespace umax

@@ -13,6 +13,7 @@
 #include "core/model/filling.h"
 #include "embedding/cage/hex_cage.h"
 #include "render/image/image_io.h"
+#include "tools/cli/mesh_scene.h"
 #include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
 #include "tools/cli/verb.h"

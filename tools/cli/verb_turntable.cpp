@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "tools/cli/mesh_scene.h"
 #include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
 #include "tools/cli/verb.h"
