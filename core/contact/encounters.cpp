@@ -187,9 +187,12 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
 
 double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                         const Points& from, const Points& to, double enough) {
+  Surfaces others = touchable.surfaces;
+  for (std::size_t b = 0; b < others.size(); ++b) std::erase(others[b], int(b));
+  if (std::all_of(others.begin(), others.end(), [](const std::vector<int>& of) { return of.empty(); })) return 0;
   if (largest_relative_motion(model, from, to) <= enough) return 0;
-  std::vector<Boxes> boxes = boxes_of_bodies(model, touchable, touchable.surfaces, from);
-  const std::vector<Boxes> ends = boxes_of_bodies(model, touchable, touchable.surfaces, to);
+  std::vector<Boxes> boxes = boxes_of_bodies(model, touchable, others, from);
+  const std::vector<Boxes> ends = boxes_of_bodies(model, touchable, others, to);
   for (std::size_t body = 0; body < boxes.size(); ++body)
     for (std::size_t i = 0; i < boxes[body].size(); ++i) boxes[body][i].extend(ends[body][i]);
   const auto motion = [&](int hex) -> Vector3d {
@@ -198,11 +201,11 @@ double largest_approach(const Model& model, const TouchableBodies& touchable, co
   const auto cell_size = [&](int hex) { return model.bodies[model.hex_body[hex]].cell_size; };
   VectorXd largest = VectorXd::Zero(Eigen::Index(num_blocks(model)));
   visit_meetings(
-      model, touchable, touchable.surfaces, hex_starts, boxes,
+      model, touchable, others, hex_starts, boxes,
       [&](int hex) { return box_of(model, from, hex).merged(box_of(model, to, hex)); }, [](int, int) { return true; },
-      [&](Eigen::Index block, int hex, int, const std::vector<int>& others) {
+      [&](Eigen::Index block, int hex, int, const std::vector<int>& met) {
         const Vector3d own = motion(hex);
-        for (const int other : others)
+        for (const int other : met)
           largest[block] =
               std::max(largest[block], (motion(other) - own).norm() / std::min(cell_size(hex), cell_size(other)));
       });

@@ -40,7 +40,7 @@ Encounters find_encounters(const Model& model, const TouchableBodies& touchable,
 /// Is every node within the margin [cells of its body] of where it was expected?
 bool are_complete(const Model& model, const Encounters& encounters, const Points& positions, double margin);
 
-/// How far hexes that may touch come towards each other between two sets of positions [cells of the smaller ones]: the
+/// How far hexes of different bodies that may touch come towards each other between two sets of positions [cells of the smaller ones]: the
 /// largest relative motion of two hexes' centres among those whose paths' boxes meet. 0 where no two nodes move more than
 /// `enough` against each other.
 double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
