@@ -30,14 +30,20 @@ struct RestSurface {
     int first = 0, count = 0;  // leaf: in `order`; count 0: inner, its children are first and first + 1
   };
   Points vertices;          // #V x 3 [m]
-  Triangles triangles;      // #T x 3, counter-clockwise from outside
-  Points triangle_normals;  // #T x 3 unit
-  Points edge_normals;      // 3 #T x 3 unit pseudonormals, row 3 t + k of the edge from corner k to corner k + 1
-  Points vertex_normals;    // #V x 3 unit pseudonormals
+  Triangles triangles;      // #T x 3, counter-clockwise from outside; of vertices at one place, the first
+  Points triangle_normals;  // #T x 3 unit; a needle's is that of its neighbours, its own would be rounding
+  // pseudonormals, unit, or zero where the triangles' normals cancel
+  Points edge_normals;      // 3 #T x 3, row 3 t + k of the edge from corner k to corner k + 1
+  Points vertex_normals;    // #V x 3
   std::vector<Node> nodes;  // the first is the root; none where there are no triangles
   std::vector<int> order;   // triangles, by leaf
   DistanceCache cache;
 };
+
+/// Place of corner k of triangle t [m].
+inline Vector3d corner_of(const RestSurface& surface, int t, int k) {
+  return surface.vertices.row(surface.triangles(t, k)).transpose();
+}
 
 /// Triangles without area are left out. Edges that border one triangle or more than two are allowed; the sign near them
 /// is that of the triangles there.
@@ -61,7 +67,7 @@ struct DistanceBounds {
 DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point);
 
 /// nearest_point() among the triangles whose normals have at least this cosine with a direction (unit): the side of a
-/// thin wall that a point came through.
+/// thin wall that a point came through. At the border of these triangles the sign is that of the nearest one's plane.
 SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
                          double reach);
 

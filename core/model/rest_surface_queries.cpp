@@ -1,0 +1,200 @@
+// What is asked of a rest surface: nearest points, bounds of distances, crossings.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/model/rest_surface.h"
+
+namespace umax {
+namespace {
+
+constexpr double on_surface = 1e-9;  // [box diagonals] nearer points have the surface's own normal
+constexpr double on_edge = 1e-9;     // [-] of barycentric coordinates, by which crossings at edges count
+constexpr int max_depth = 64;
+constexpr double cache_rounding = 1e-6;  // [-] of a float
+
+enum class Feature { face, edge0, edge1, edge2, corner0, corner1, corner2 };
+
+struct TrianglePoint {
+  Vector3d point;
+  Feature feature = Feature::face;
+};
+
+// nearest point of a triangle, by the region that the point is in (Ericson 2005, Real-Time Collision Detection, 5.1.5)
+TrianglePoint nearest_of_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return {a, Feature::corner0};
+  if (d3 >= 0 && d4 <= d3) return {b, Feature::corner1};
+  if (d6 >= 0 && d5 <= d6) return {c, Feature::corner2};
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, Feature::edge0};
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, Feature::edge2};
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), Feature::edge1};
+  const double scale = 1 / (va + vb + vc);
+  return {a + scale * vb * ab + scale * vc * ac, Feature::face};
+}
+
+// the nearest triangle of those that `counts` lets count, with the place on it
+struct Nearest {
+  int triangle = -1;
+  double squared = 0;
+  TrianglePoint place{Vector3d::Zero()};
+};
+
+template <class Counts>
+Nearest find_nearest(const RestSurface& surface, const Vector3d& point, double reach, const Counts& counts) {
+  Nearest nearest{.squared = reach * reach};
+  if (surface.nodes.empty()) return nearest;
+  struct Entry {
+    int node;
+    double squared;
+  } stack[max_depth];
+  int size = 0;
+  stack[size++] = {0, surface.nodes[0].box.squaredExteriorDistance(point)};
+  while (size > 0) {
+    const Entry at = stack[--size];
+    if (at.squared > nearest.squared) continue;
+    const RestSurface::Node& node = surface.nodes[at.node];
+    if (node.count == 0) {
+      const double left = surface.nodes[node.first].box.squaredExteriorDistance(point),
+                   right = surface.nodes[node.first + 1].box.squaredExteriorDistance(point);
+      const bool left_first = left <= right;
+      stack[size++] = left_first ? Entry{node.first + 1, right} : Entry{node.first, left};
+      stack[size++] = left_first ? Entry{node.first, left} : Entry{node.first + 1, right};
+      continue;
+    }
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      const int t = surface.order[i];
+      if (!counts(t)) continue;
+      const TrianglePoint place =
+          nearest_of_triangle(corner_of(surface, t, 0), corner_of(surface, t, 1), corner_of(surface, t, 2), point);
+      const double squared = (point - place.point).squaredNorm();
+      if (squared < nearest.squared || (squared == nearest.squared && (nearest.triangle < 0 || t < nearest.triangle)))
+        nearest = {t, squared, place};
+    }
+  }
+  return nearest;
+}
+
+// Calls visit(t) for each triangle of the leaves whose boxes `meets` lets in.
+template <class Meets, class Visit>
+void for_each_triangle(const RestSurface& surface, const Meets& meets, const Visit& visit) {
+  if (surface.nodes.empty()) return;
+  int stack[max_depth], size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const RestSurface::Node& node = surface.nodes[stack[--size]];
+    if (!meets(node.box)) continue;
+    if (node.count == 0) {
+      stack[size++] = node.first;
+      stack[size++] = node.first + 1;
+      continue;
+    }
+    for (int i = node.first; i < node.first + node.count; ++i) visit(surface.order[i]);
+  }
+}
+
+// Do all triangles at the edge or corner that is nearest count?
+template <class Counts>
+bool all_count(const RestSurface& surface, const Nearest& nearest, const Counts& counts) {
+  if (nearest.place.feature == Feature::face) return true;
+  const bool is_corner = nearest.place.feature >= Feature::corner0;
+  const int k = (int(nearest.place.feature) - 1) % 3;
+  const auto corners = surface.triangles.row(nearest.triangle);
+  const int first = corners[k], second = corners[is_corner ? k : (k + 1) % 3];
+  const Vector3d place = surface.vertices.row(first).transpose();
+  bool all = true;
+  for_each_triangle(
+      surface, [&](const Eigen::AlignedBox3d& box) { return all && box.contains(place); },
+      [&](int t) {
+        const auto of = surface.triangles.row(t).array();
+        if ((of == first).any() && (of == second).any() && !counts(t)) all = false;
+      });
+  return all;
+}
+
+// the triangle's own normal where those at an edge or a corner sum to nothing
+Vector3d pseudonormal(const RestSurface& surface, const Nearest& nearest) {
+  const int feature = int(nearest.place.feature);
+  Vector3d normal = Vector3d::Zero();
+  if (feature > 3) normal = surface.vertex_normals.row(surface.triangles(nearest.triangle, feature - 4)).transpose();
+  if (feature > 0 && feature <= 3) normal = surface.edge_normals.row(3 * nearest.triangle + feature - 1).transpose();
+  return normal.isZero(0) ? Vector3d(surface.triangle_normals.row(nearest.triangle).transpose()) : normal;
+}
+
+SurfaceHit hit_at(const RestSurface& surface, const Vector3d& point, const Nearest& nearest, const Vector3d& normal) {
+  const Vector3d away = point - nearest.place.point;
+  const double distance = away.norm();
+  const double sign = away.dot(normal) < 0 ? -1 : 1;
+  const bool is_near = distance <= on_surface * surface.nodes[0].box.diagonal().norm();
+  return {nearest.triangle, nearest.place.point, is_near ? normal : Vector3d(sign / distance * away), sign * distance};
+}
+
+// the share of the segment at which it crosses the triangle from front to back; 2: nowhere
+double entry(const RestSurface& surface, int t, const Vector3d& from, const Vector3d& to) {
+  constexpr double nowhere = 2;
+  const Vector3d n = surface.triangle_normals.row(t).transpose(), a = corner_of(surface, t, 0);
+  const double before = n.dot(from - a), after = n.dot(to - a);
+  if (before < 0 || after >= 0) return nowhere;
+  const double share = before / (before - after);
+  const Vector3d crossing = from + share * (to - from);
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d corner = corner_of(surface, t, k), edge = corner_of(surface, t, (k + 1) % 3) - corner;
+    if (n.dot(edge.cross(crossing - corner)) < -on_edge * edge.squaredNorm()) return nowhere;
+  }
+  return share;
+}
+
+}  // namespace
+
+SurfaceHit nearest_point(const RestSurface& surface, const Vector3d& point, double reach) {
+  const Nearest nearest = find_nearest(surface, point, reach, [](int) { return true; });
+  if (nearest.triangle < 0) return {};
+  return hit_at(surface, point, nearest, pseudonormal(surface, nearest));
+}
+
+DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const DistanceCache& cache = surface.cache;
+  if (!cache.values) return {infinity, infinity};
+  Vector3i at;
+  for (int axis = 0; axis < 3; ++axis)
+    at[axis] = int(
+        std::clamp(std::round((point[axis] - cache.origin[axis]) / cache.spacing), 0.0, double(cache.size[axis] - 1)));
+  const Vector3d sample = cache.origin + cache.spacing * at.cast<double>();
+  std::atomic<float>& value = cache.values[(std::size_t(at[0]) * cache.size[1] + at[1]) * cache.size[2] + at[2]];
+  float distance = value.load(std::memory_order_relaxed);
+  if (std::isnan(distance)) {
+    distance = float(nearest_point(surface, sample, infinity).distance);
+    value.store(distance, std::memory_order_relaxed);
+  }
+  const double away = (point - sample).norm() + cache_rounding * std::abs(double(distance));
+  return {double(distance) - away, double(distance) + away};
+}
+
+SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
+                         double reach) {
+  const auto is_alike = [&](int t) { return surface.triangle_normals.row(t).dot(direction.transpose()) >= cosine; };
+  const Nearest nearest = find_nearest(surface, point, reach, is_alike);
+  if (nearest.triangle < 0) return {};
+  if (all_count(surface, nearest, is_alike)) return hit_at(surface, point, nearest, pseudonormal(surface, nearest));
+  return hit_at(surface, point, nearest, surface.triangle_normals.row(nearest.triangle).transpose());
+}
+
+int first_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to) {
+  double least = 1.5;
+  int first = -1;
+  Eigen::AlignedBox3d path(from);
+  path.extend(to);
+  for_each_triangle(
+      surface, [&](const Eigen::AlignedBox3d& box) { return box.intersects(path); },
+      [&](int t) {
+        const double share = entry(surface, t, from, to);
+        if (share < least || (share == least && t < first)) least = share, first = t;
+      });
+  return first;
+}
+
+}  // namespace umax
