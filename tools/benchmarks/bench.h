@@ -24,12 +24,13 @@ struct Benchmark {
   std::function<BenchRows()> run;
 };
 
-std::vector<Benchmark> simulation_benchmarks();  // bench_simulation.cpp
-std::vector<Benchmark> refinement_benchmarks();  // bench_refinement.cpp: limits on finer cages
-std::vector<Benchmark> multigrid_benchmarks();   // bench_multigrid.cpp
-std::vector<Benchmark> large_cage_benchmarks();  // bench_large_cages.cpp
-std::vector<Benchmark> program_benchmarks();     // bench_program.cpp: the built program, from outside
-std::vector<Benchmark> picture_benchmarks();     // bench_pictures.cpp
+std::vector<Benchmark> simulation_benchmarks();   // bench_simulation.cpp
+std::vector<Benchmark> refinement_benchmarks();   // bench_refinement.cpp: limits on finer cages
+std::vector<Benchmark> multigrid_benchmarks();    // bench_multigrid.cpp
+std::vector<Benchmark> large_cage_benchmarks();   // bench_large_cages.cpp
+std::vector<Benchmark> program_benchmarks();      // bench_program.cpp: the built program, from outside
+std::vector<Benchmark> penetration_benchmarks();  // bench_penetration.cpp
+std::vector<Benchmark> picture_benchmarks();      // bench_pictures.cpp
 
 /// The file in UMAX_MODELS.
 std::string model_path(const std::string& name);
