@@ -189,9 +189,10 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   return step;
 }
 
-void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
+void update_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+                     std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) place(step, positions, contact);
-  place_surface_contacts(step, positions, contacts);
+  place_surface_contacts(step, apart, positions, contacts);
 }
 
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
@@ -207,7 +208,8 @@ void follow(const Model& model, const Points& positions, Contact& contact) {
   contact.position = position;
 }
 
-int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts) {
+int add_contacts(const ContactStep& step, const Points& apart, const Points& positions, double share,
+                 std::vector<Contact>& contacts) {
   const std::size_t known = contacts.size();
   std::vector<ContactCandidate> candidates = vertex_candidates(step, positions, share);
   const std::vector<ContactCandidate> edges = edge_candidates(step, positions, share);
@@ -218,7 +220,7 @@ int add_contacts(const ContactStep& step, const Points& positions, double share,
     place(step, positions, contact);
     contacts.push_back(contact);
   }
-  for (const Contact& contact : surface_candidates(step, positions, share))
+  for (const Contact& contact : surface_candidates(step, apart, positions, share))
     if (!in_set(*step.model, contacts, known, contact)) contacts.push_back(contact);
   return int(contacts.size() - known);
 }

@@ -88,8 +88,10 @@ AllowedDepth allowed_depth(double depth, double tolerance, double recovery);
 /// Depth [m] below which a vertex of the hex counts as touching, not as penetrating: a thousandth of its body's cells.
 double tolerance_depth(const Model& model, int hex);
 
-/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
-void update_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions. apart: #N x 3 [m] where
+/// bodies were last apart.
+void update_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+                     std::vector<Contact>& contacts);
 
 /// Refreshes the gaps along the normals that the contacts have; normals and places stay. For iterations that would
 /// otherwise flip for ever between two faces at an edge: staying outside one face's plane is staying outside.
@@ -98,7 +100,8 @@ void follow(const Model& model, const Points& positions, Contact& contact);
 
 /// Appends, for each hex and obstacle or touched body, the deepest point with gap < -share * tolerance_depth that is not yet in the
 /// set. share 0: every touching hex. Returns the number added.
-int add_contacts(const ContactStep& step, const Points& positions, double share, std::vector<Contact>& contacts);
+int add_contacts(const ContactStep& step, const Points& apart, const Points& positions, double share,
+                 std::vector<Contact>& contacts);
 
 /// The hexes with surface vertices that are within a margin [cells of their body] of an obstacle at the step's end.
 std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin);

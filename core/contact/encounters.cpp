@@ -102,12 +102,78 @@ std::size_t num_blocks(const Model& model) {
   return std::size_t((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);
 }
 
-// an upper bound of how far any two nodes move against each other [cells of the smallest]
-double largest_relative_motion(const Model& model, const Points& from, const Points& to) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Model::BodyRange& body : model.bodies) smallest = std::min(smallest, body.cell_size);
-  const Points moves = to - from;
-  return 2 * std::sqrt((moves.rowwise() - moves.colwise().mean()).rowwise().squaredNorm().maxCoeff()) / smallest;
+// How the nodes of a body move on straight ways.
+struct BodyMotion {
+  Vector3d mean{0, 0, 0};             // [m]
+  double spread = 0;                  // [m] of the motion that differs most from the mean
+  Eigen::AlignedBox3d before, after;  // of the nodes
+};
+std::vector<BodyMotion> body_motions(const Model& model, const Points& from, const Points& to) {
+  std::vector<BodyMotion> motions(model.bodies.size());
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    const auto before = from.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes),
+               after = to.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes);
+    const Points moves = after - before;
+    const Eigen::RowVector3d mean = moves.colwise().mean();
+    motions[b].mean = mean.transpose();
+    motions[b].spread = std::sqrt((moves.rowwise() - mean).rowwise().squaredNorm().maxCoeff());
+    motions[b].before = {before.colwise().minCoeff().transpose(), before.colwise().maxCoeff().transpose()};
+    motions[b].after = {after.colwise().minCoeff().transpose(), after.colwise().maxCoeff().transpose()};
+  }
+  return motions;
+}
+
+// [m] that two hexes of the bodies may move against each other between two looks
+double felt_between(const Model& model, int body, int other) {
+  return felt_motion * std::min(model.bodies[body].cell_size, model.bodies[other].cell_size);
+}
+
+// Other bodies, of those that vertices may touch, that move far against theirs and may meet them on the way.
+Surfaces fast_surfaces(const Model& model, const TouchableBodies& touchable, const std::vector<BodyMotion>& motions) {
+  Surfaces fast(model.bodies.size());
+  for (int body = 0; body < int(fast.size()); ++body)
+    for (const int other : touchable.surfaces[body]) {
+      if (body == other) continue;
+      const BodyMotion &own = motions[body], &its = motions[other];
+      if ((own.mean - its.mean).norm() + own.spread + its.spread <= felt_between(model, body, other)) continue;
+      const Eigen::AlignedBox3d way = own.before.merged(own.after.translated(-its.mean));  // seen from the other body
+      if (way.intersects(its.before.merged(its.after.translated(-its.mean)))) fast[body].push_back(other);
+    }
+  return fast;
+}
+
+// boxes of the tree's nodes on their ways, seen from something that moves
+Boxes boxes_on_way(const HexTree& tree, const Model& model, const Points& from, const Points& to,
+                   const Vector3d& observer) {
+  Boxes boxes = boxes_at(tree, model, from);
+  const Boxes ends = boxes_at(tree, model, to);
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i].extend(ends[i].translated(-observer));
+  return boxes;
+}
+
+// Calls visit(hex, other) for hexes of different bodies that move far against each other and whose boxes meet on the
+// way, seen from the touched body; in parallel by hex.
+template <class Visit>
+void for_each_fast_meeting(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                           const Points& from, const Points& to, const Visit& visit) {
+  const std::vector<BodyMotion> motions = body_motions(model, from, to);
+  const Surfaces fast = fast_surfaces(model, touchable, motions);
+  std::vector<Boxes> boxes(model.bodies.size());
+  for (const std::vector<int>& bodies : fast)
+    for (const int body : bodies)
+      if (boxes[body].empty()) boxes[body] = boxes_on_way(touchable.trees[body], model, from, to, motions[body].mean);
+  for (int body = 0; body < int(fast.size()); ++body) {
+    if (fast[body].empty()) continue;
+    parallel_blocks(model.bodies[body].num_hexes, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+      for (int hex = model.bodies[body].first_hex + int(begin); hex < model.bodies[body].first_hex + int(end); ++hex) {
+        if (hex_starts[hex] == hex_starts[hex + 1]) continue;
+        const Eigen::AlignedBox3d before = box_of(model, from, hex), after = box_of(model, to, hex);
+        for (const int other : fast[body])
+          for_each_hex_in(touchable.trees[other], boxes[other], before.merged(after.translated(-motions[other].mean)),
+                          [&](int met) { visit(hex, met); });
+      }
+    });
+  }
 }
 
 double largest_cell(const Model& model) {
@@ -186,30 +252,43 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
 }
 
 double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                        const Points& from, const Points& to, double enough) {
-  Surfaces others = touchable.surfaces;
-  for (std::size_t b = 0; b < others.size(); ++b) std::erase(others[b], int(b));
-  if (std::all_of(others.begin(), others.end(), [](const std::vector<int>& of) { return of.empty(); })) return 0;
-  if (largest_relative_motion(model, from, to) <= enough) return 0;
-  std::vector<Boxes> boxes = boxes_of_bodies(model, touchable, others, from);
-  const std::vector<Boxes> ends = boxes_of_bodies(model, touchable, others, to);
-  for (std::size_t body = 0; body < boxes.size(); ++body)
-    for (std::size_t i = 0; i < boxes[body].size(); ++i) boxes[body][i].extend(ends[body][i]);
+                        const Points& from, const Points& to) {
   const auto motion = [&](int hex) -> Vector3d {
     return (hex_nodes(model, to, hex) - hex_nodes(model, from, hex)).colwise().mean().transpose();
   };
-  const auto cell_size = [&](int hex) { return model.bodies[model.hex_body[hex]].cell_size; };
-  VectorXd largest = VectorXd::Zero(Eigen::Index(num_blocks(model)));
-  visit_meetings(
-      model, touchable, others, hex_starts, boxes,
-      [&](int hex) { return box_of(model, from, hex).merged(box_of(model, to, hex)); }, [](int, int) { return true; },
-      [&](Eigen::Index block, int hex, int, const std::vector<int>& met) {
-        const Vector3d own = motion(hex);
-        for (const int other : met)
-          largest[block] =
-              std::max(largest[block], (motion(other) - own).norm() / std::min(cell_size(hex), cell_size(other)));
-      });
-  return largest.size() ? largest.maxCoeff() : 0;
+  VectorXd largest = VectorXd::Zero(model.num_hexes());
+  for_each_fast_meeting(model, touchable, hex_starts, from, to, [&](int hex, int other) {
+    const double felt = felt_between(model, model.hex_body[hex], model.hex_body[other]);
+    largest[hex] = std::max(largest[hex], (motion(other) - motion(hex)).norm() / felt);
+  });
+  const double all = largest.size() ? largest.maxCoeff() : 0;
+  return all > 1 ? all : 0;
+}
+
+int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+               const Points& from, const Points& to) {
+  return std::max(1, int(std::ceil(largest_approach(model, touchable, hex_starts, from, to))));
+}
+
+double felt_share(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                  const Points& from, const Points& to) {
+  return 1 / std::max(1.0, largest_approach(model, touchable, hex_starts, from, to));
+}
+
+std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,
+                                            const std::vector<int>& hex_starts, const Points& from, const Points& to) {
+  std::vector<std::vector<int>> met(std::size_t(model.num_hexes()));  // bodies
+  for_each_fast_meeting(model, touchable, hex_starts, from, to, [&](int hex, int other) {
+    std::vector<int>& bodies = met[std::size_t(hex)];
+    const int body = model.hex_body[other];
+    if (bodies.empty() || bodies.back() != body) bodies.push_back(body);  // they come one after the other
+  });
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t hex = 0; hex < met.size(); ++hex)
+    for (const int other : met[hex]) pairs.push_back(std::minmax(model.hex_body[hex], other));
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
 }
 
 }  // namespace umax

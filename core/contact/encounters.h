@@ -1,6 +1,7 @@
 // Which hexes may touch in a step: those whose boxes, grown by a margin, meet where the bodies are expected at its end.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "core/contact/hex_tree.h"
@@ -40,10 +41,25 @@ Encounters find_encounters(const Model& model, const TouchableBodies& touchable,
 /// Is every node within the margin [cells of its body] of where it was expected?
 bool are_complete(const Model& model, const Encounters& encounters, const Points& positions, double margin);
 
-/// How far hexes of different bodies that may touch come towards each other between two sets of positions [cells of the smaller ones]: the
-/// largest relative motion of two hexes' centres among those whose paths' boxes meet. 0 where no two nodes move more than
-/// `enough` against each other.
+/// [cells of the smaller] that two hexes may move against each other between two looks at what touches: less than their
+/// size, so that none passes another unseen.
+inline constexpr double felt_motion = 0.5;
+
+/// How many times felt_motion hexes of different bodies that may touch move against each other on straight ways between
+/// two sets of positions, at most: of the centres of two hexes whose ways' boxes meet. 0 where none move farther than that.
 double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                        const Points& from, const Points& to, double enough);
+                        const Points& from, const Points& to);
+
+/// Looks that the way takes: 1 where no two hexes come farther towards each other than felt_motion.
+int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+               const Points& from, const Points& to);
+
+/// Share of the way on which no two hexes come farther towards each other than felt_motion.
+double felt_share(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                  const Points& from, const Points& to);
+
+/// Pairs of bodies, the smaller first, of which hexes may meet on their ways though they are apart at both ends of them.
+std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,
+                                            const std::vector<int>& hex_starts, const Points& from, const Points& to);
 
 }  // namespace umax

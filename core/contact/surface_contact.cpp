@@ -14,25 +14,22 @@
 namespace umax {
 namespace {
 
-constexpr double start_slack = 2;  // [penetration tolerances] that a vertex may be behind what it rests on
 constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
-constexpr double deep_enough = 50;  // [penetration tolerances] beyond which any vertex will do: the others join later
 
-// A vertex seen from the material of the hex that it is in, at the end of the step and at its start.
+// A vertex seen from the material of the hex that it is in.
 struct HeldVertex {
   Support vertex, other;
   Matrix3d F_inverse;
-  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it came from
+  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it was when bodies were last apart
   DistanceBounds bounds;  // [m] of the distance at X
   double moved = 0;       // [m] from X0 to X
 };
 
 // What the vertex meets there.
 struct Touch {
-  Support other;
-  double gap = 0, start_gap = 0;  // [m] at the end of the step, and at its start; where that was outside, any above 0
+  double gap = 0;  // [m]
   Vector3d normal = Vector3d::UnitY();
 };
 
@@ -51,20 +48,23 @@ SurfaceHit nearest_within(const RestSurface& surface, const Vector3d& point) {
   return nearest_within(surface, point, distance_bounds(surface, point));
 }
 
+// how the vertex is away from the other place at the positions, seen from the material there [m]
+Vector3d away_at(const Model& model, const Points& positions, const HeldVertex& held) {
+  return held.F_inverse *
+         (embedded_position(model, positions, held.vertex) - embedded_position(model, positions, held.other));
+}
+
 // The vertex as the hex sees it; false where the hex does not hold it.
-bool hold(const ContactStep& step, const Points& positions, const Support& vertex, const Vector3d& position,
-          int other_hex, double reach, HeldVertex& held) {
-  const Model& model = *step.model;
+bool hold(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
+          const Vector3d& position, int other_hex, double reach, HeldVertex& held) {
   MaterialPoint material;
   if (!find_material(model, positions, other_hex, position, reach, material)) return false;
   const Model::BodyRange& body = body_of(model, other_hex);
   held.vertex = vertex;
   held.other = {other_hex, material.weights};
   held.F_inverse = material.F_inverse;
-  const Vector3d came_from =
-      embedded_position(model, step.positions_t0, vertex) - embedded_position(model, step.positions_t0, held.other);
   held.X = body.rest_pose.local(material.rest);
-  held.X0 = body.rest_pose.local(material.rest + material.F_inverse * came_from);
+  held.X0 = body.rest_pose.local(material.rest + away_at(model, apart, held));
   held.bounds = distance_bounds(*body.rest_surface, held.X);
   held.moved = (held.X - held.X0).norm();
   return true;
@@ -92,57 +92,58 @@ SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held) 
   return alike.triangle >= 0 ? alike : nearest;
 }
 
-Touch measure(const Model& model, const HeldVertex& held) {
-  const Model::BodyRange& body = body_of(model, held.other.hex);
-  const RestSurface& surface = *body.rest_surface;
-  const auto stretch = [&](const Vector3d& normal) -> Vector3d {
-    return held.F_inverse.transpose() * (body.rest_pose.rotation * normal);
-  };
-  Touch touch{held.other, 0, 1};
-  const DistanceBounds start_bounds = distance_bounds(surface, held.X0);
-  double started = start_bounds.low;
-  if (!(started > 0)) {
-    const SurfaceHit start = nearest_within(surface, held.X0, start_bounds);
-    started = start.distance;
-    touch.start_gap = start.distance / stretch(start.normal).norm();
-  }
-  const bool was_inside = started < -start_slack * tolerance_between(model, held.vertex.hex, held.other.hex);
-  const SurfaceHit hit = was_inside ? nearest_within(surface, held.X, held.bounds)
-                                    : hit_from_outside(surface, held);  // the nearest way out
-  const Vector3d pulled = stretch(hit.normal);
-  touch.gap = hit.distance / pulled.norm();
-  touch.normal = pulled.normalized();
-  return touch;
+// a normal of the touched body's rest surface, carried into the world; its length: what distances are divided by
+Vector3d pushed_forward(const Model& model, const HeldVertex& held, const Vector3d& normal) {
+  return held.F_inverse.transpose() * (body_of(model, held.other.hex).rest_pose.rotation * normal);
 }
 
-bool touch_hex(const ContactStep& step, const Points& positions, const Support& vertex, const Vector3d& position,
-               int other_hex, double reach, Touch& touch) {
-  HeldVertex held;
-  if (!hold(step, positions, vertex, position, other_hex, reach, held)) return false;
-  touch = measure(*step.model, held);
-  return true;
+// was the vertex farther inside when bodies were last apart than rounding and tolerances explain?
+bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex& held) {
+  const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
+  const DistanceBounds bounds = distance_bounds(surface, held.X0);
+  return bounds.low < -slack && nearest_within(surface, held.X0, bounds).distance < -slack;
+}
+
+Touch measure(const Model& model, const HeldVertex& held) {
+  const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
+  const SurfaceHit hit = was_inside(model, surface, held) ? nearest_within(surface, held.X, held.bounds)
+                                                          : hit_from_outside(surface, held);  // the nearest way out
+  const Vector3d pushed = pushed_forward(model, held, hit.normal);
+  return {hit.distance / pushed.norm(), pushed.normalized()};
+}
+
+// the depth that the vertex may have at the end of the step, by how deep it was at its start
+AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
+  const Model& model = *step.model;
+  const int hex = held.vertex.hex, other = held.other.hex;
+  const Model::BodyRange& body = body_of(model, other);
+  const Vector3d X_start = held.X + body.rest_pose.rotation.transpose() * away_at(model, step.positions_t0, held);
+  const DistanceBounds bounds = distance_bounds(*body.rest_surface, X_start);
+  if (bounds.low > 0) return {};
+  const SurfaceHit start = nearest_within(*body.rest_surface, X_start, bounds);
+  const double depth = -start.distance / pushed_forward(model, held, start.normal).norm();
+  const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[other]]);
+  return allowed_depth(depth, tolerance_between(model, hex, other), recovery);
 }
 
 // the first of the hexes that holds the vertex
-bool touch_any(const ContactStep& step, const Points& positions, const Support& vertex, const Vector3d& position,
-               const std::vector<int>& hexes, Touch& touch) {
-  for (const int other : hexes)
-    if (touch_hex(step, positions, vertex, position, other, within_hex, touch)) return true;
-  return false;
+bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
+              const Vector3d& position, const std::vector<int>& hexes, HeldVertex& held) {
+  return std::any_of(hexes.begin(), hexes.end(), [&](int other) {
+    return hold(model, apart, positions, vertex, position, other, within_hex, held);
+  });
 }
 
 // What is known of a hex before any vertex is looked at.
 struct OtherHex {
   int hex = 0;
   HexBounds bounds;
-  double largest_move = 0;  // [m] of the vertices' hex against this one in the step, at rest
+  double largest_move = 0;  // [m] of the vertices' hex against this one since bodies were apart, at rest
 };
 
-// how far nodes of the two hexes move against each other in the step [m]
-double largest_motion(const ContactStep& step, const Points& positions, int a, int b) {
-  const auto moves = [&](int hex) -> Matrix8x3d {
-    return hex_nodes(*step.model, positions, hex) - hex_nodes(*step.model, step.positions_t0, hex);
-  };
+// how far nodes of the two hexes move against each other between two sets of positions [m]
+double largest_motion(const Model& model, const Points& from, const Points& to, int a, int b) {
+  const auto moves = [&](int hex) -> Matrix8x3d { return hex_nodes(model, to, hex) - hex_nodes(model, from, hex); };
   const Matrix8x3d moves_a = moves(a), moves_b = moves(b);
   double largest = 0;
   for (int m = 0; m < 8; ++m)
@@ -150,9 +151,10 @@ double largest_motion(const ContactStep& step, const Points& positions, int a, i
   return std::sqrt(largest);
 }
 
-OtherHex see(const ContactStep& step, const Points& positions, int hex, int other, const HexBounds& bounds) {
+OtherHex see(const Model& model, const Points& apart, const Points& positions, int hex, int other,
+             const HexBounds& bounds) {
   OtherHex seen{other, bounds};
-  seen.largest_move = seen.bounds.largest_inverse * largest_motion(step, positions, hex, other);
+  seen.largest_move = seen.bounds.largest_inverse * largest_motion(model, apart, positions, hex, other);
   return seen;
 }
 
@@ -177,8 +179,8 @@ struct FoundVertex {
   int point = 0;
   HeldVertex held;
 };
-std::vector<FoundVertex> find_held(const ContactStep& step, const Points& positions, const Search& search,
-                                   const Encounter& encounter) {
+std::vector<FoundVertex> find_held(const ContactStep& step, const Points& apart, const Points& positions,
+                                   const Search& search, const Encounter& encounter) {
   const Model& model = *step.model;
   const ContactGeometry& geometry = *step.geometry;
   const Model::BodyRange& body = model.bodies[encounter.body];
@@ -186,7 +188,7 @@ std::vector<FoundVertex> find_held(const ContactStep& step, const Points& positi
   std::vector<OtherHex> others;
   for (const int other : encounter.others)
     if (may_meet(search.bounds[other], nodes, 0))
-      others.push_back(see(step, positions, encounter.hex, other, search.bounds[other]));
+      others.push_back(see(model, apart, positions, encounter.hex, other, search.bounds[other]));
   std::vector<FoundVertex> found;
   if (others.empty()) return found;
   for (int k = geometry.hex_starts[encounter.hex]; k < geometry.hex_starts[encounter.hex + 1]; ++k) {
@@ -195,7 +197,8 @@ std::vector<FoundVertex> find_held(const ContactStep& step, const Points& positi
     const Vector3d position = nodes.transpose() * vertex.weights;
     HeldVertex held;
     for (const OtherHex& other : others)
-      if (may_touch_in(body, other, position) && hold(step, positions, vertex, position, other.hex, within_hex, held) &&
+      if (may_touch_in(body, other, position) &&
+          hold(model, apart, positions, vertex, position, other.hex, within_hex, held) &&
           !is_clear(*body.rest_surface, held)) {
         found.push_back({point, held});
         break;
@@ -209,61 +212,55 @@ double least_gap(const HeldVertex& held) {
   return -std::max(-held.bounds.low, held.moved) * held.F_inverse.inverse().norm();
 }
 
-// depth that a vertex may have at the end of the step, by how deep it was at its start
-AllowedDepth allowance(const ContactStep& step, int hex, const Touch& touch) {
-  const Model& model = *step.model;
-  const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[touch.other.hex]]);
-  return allowed_depth(-touch.start_gap, tolerance_between(model, hex, touch.other.hex), recovery);
-}
-
-void take(const ContactStep& step, const Points& positions, const Touch& touch, Contact& contact) {
-  const AllowedDepth allowed = allowance(step, contact.support.hex, touch);
-  contact.other = touch.other;
+void take(const ContactStep& step, const Points& positions, const HeldVertex& held, const Touch& touch,
+          Contact& contact) {
+  const AllowedDepth allowed = allowance(step, held);
+  contact.other = held.other;
   contact.normal = touch.normal;
   contact.gap = touch.gap + allowed.deep + allowed.shallow;
   contact.position = contact_position(*step.model, positions, contact);
 }
 
 // The deepest of the vertices, of those with gaps below `below`, by the rule deepest first as their bounds promise: the
-// others need no closer look where these say that they are not as deep, nor any where one is deeper than `enough`.
-// gap(touch): [m].
+// others need no closer look where these say that they are not as deep. deep(held): [m] that is allowed anyway.
 struct DeepestVertex {
   int point = -1;
-  double gap = 0;  // [m]
+  double gap = 0;  // [m] beyond what is allowed
+  HeldVertex held;
   Touch touch;
 };
-template <class Gap>
-DeepestVertex find_deepest(const Model& model, std::vector<FoundVertex> found, double below, double enough,
-                           const Gap& gap) {
-  DeepestVertex deepest{-1, below, {}};
+template <class Deep>
+DeepestVertex find_deepest(const Model& model, std::vector<FoundVertex> found, double below, const Deep& deep) {
+  DeepestVertex deepest;
+  deepest.gap = below;
   if (found.empty()) return deepest;
   const double tie = tied_depth(model, found.front().held.vertex.hex);
   std::sort(found.begin(), found.end(), [](const FoundVertex& a, const FoundVertex& b) {
     return std::pair(a.held.bounds.low, a.point) < std::pair(b.held.bounds.low, b.point);
   });
   for (const FoundVertex& vertex : found) {
-    if (deepest.gap < enough) break;
-    if (least_gap(vertex.held) > deepest.gap + tie) continue;
+    const double most = deepest.gap + tie;
+    if (least_gap(vertex.held) > most) continue;
     const Touch touch = measure(model, vertex.held);
-    const double its = gap(touch);
-    const bool is_tied = deepest.point >= 0 && std::abs(its - deepest.gap) <= tie;
-    if (is_tied ? vertex.point < deepest.point : its < deepest.gap) deepest = {vertex.point, its, touch};
+    if (touch.gap > most) continue;
+    const double gap = touch.gap + deep(vertex.held);
+    const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
+    if (is_tied ? vertex.point < deepest.point : gap < deepest.gap) deepest = {vertex.point, gap, vertex.held, touch};
   }
   return deepest;
 }
 
 // the vertex of a hex that is deepest in a body, of those deeper than `share` of what is tolerated
-std::optional<Contact> deepest_vertex(const ContactStep& step, const Points& positions, const Search& search,
-                                      const Encounter& encounter, double share) {
+std::optional<Contact> deepest_vertex(const ContactStep& step, const Points& apart, const Points& positions,
+                                      const Search& search, const Encounter& encounter, double share) {
   const Model& model = *step.model;
-  const int hex = encounter.hex;
-  const double tolerance = tolerance_between(model, hex, encounter.others.front());
+  const double tolerance = tolerance_between(model, encounter.hex, encounter.others.front());
   const DeepestVertex deepest =
-      find_deepest(model, find_held(step, positions, search, encounter), -share * tolerance, -deep_enough * tolerance,
-                   [&](const Touch& touch) { return touch.gap + allowance(step, hex, touch).deep; });
+      find_deepest(model, find_held(step, apart, positions, search, encounter), -share * tolerance,
+                   [&](const HeldVertex& held) { return allowance(step, held).deep; });
   if (deepest.point < 0) return {};
-  Contact contact = make_surface_contact(model, deepest.point, hex, deepest.touch.other.hex);
-  take(step, positions, deepest.touch, contact);
+  Contact contact = make_surface_contact(model, deepest.point, encounter.hex, deepest.held.other.hex);
+  take(step, positions, deepest.held, deepest.touch, contact);
   return contact;
 }
 
@@ -312,13 +309,14 @@ ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const P
 
 }  // namespace
 
-std::vector<Contact> surface_candidates(const ContactStep& step, const Points& positions, double share) {
+std::vector<Contact> surface_candidates(const ContactStep& step, const Points& apart, const Points& positions,
+                                        double share) {
   if (!step.surfaces_touch || !step.geometry->touchable.any()) return {};
   const Search search = search_at(step, positions);
   const std::vector<Encounter>& encounters = search.encounters;
   std::vector<std::optional<Contact>> deepest(encounters.size());
   for_each_encounter(encounters, [&](Eigen::Index i, const Encounter& encounter) {
-    deepest[std::size_t(i)] = deepest_vertex(step, positions, search, encounter, share);
+    deepest[std::size_t(i)] = deepest_vertex(step, apart, positions, search, encounter, share);
   });
   std::vector<Contact> all;
   for (const std::optional<Contact>& contact : deepest)
@@ -326,24 +324,34 @@ std::vector<Contact> surface_candidates(const ContactStep& step, const Points& p
   return all;
 }
 
-void place_surface_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts) {
+bool bodies_meet(const ContactStep& step, const Points& apart, const Points& positions, double share) {
+  const std::vector<Contact> contacts = surface_candidates(step, apart, positions, share);
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+    const auto [first, second] = bodies_of(*step.model, contact);
+    return first != second;
+  });
+}
+
+void place_surface_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+                            std::vector<Contact>& contacts) {
   const Model& model = *step.model;
   std::vector<std::vector<Eigen::AlignedBox3d>> boxes;  // made when the first vertex has left its hex
   for (Contact& contact : contacts) {
     if (!contact.between_bodies()) continue;
-    const Vector3d position = embedded_position(model, positions, contact.support);
-    Touch touch;
-    bool found = touch_hex(step, positions, contact.support, position, contact.other.hex, within_hex, touch);
+    const Support& vertex = contact.support;
+    const Vector3d position = embedded_position(model, positions, vertex);
+    HeldVertex held;
+    bool found = hold(model, apart, positions, vertex, position, contact.other.hex, within_hex, held);
     if (!found) {
       if (boxes.empty())
         for (const HexTree& tree : step.geometry->touchable.trees) boxes.push_back(boxes_at(tree, model, positions));
       const int body = model.hex_body[contact.other.hex];
-      const std::vector<int> hexes = hexes_at(step, boxes[body], contact.support.hex, body, position);
-      found = touch_any(step, positions, contact.support, position, hexes, touch) ||
-              touch_hex(step, positions, contact.support, position, contact.other.hex, around_hex, touch);
+      found = hold_any(model, apart, positions, vertex, position,
+                       hexes_at(step, boxes[body], vertex.hex, body, position), held) ||
+              hold(model, apart, positions, vertex, position, contact.other.hex, around_hex, held);
     }
     if (found)
-      take(step, positions, touch, contact);
+      take(step, positions, held, measure(model, held), contact);
     else
       follow(model, positions, contact);
   }
@@ -366,11 +374,11 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
   for_each_encounter(search.encounters, [&](Eigen::Index i, const Encounter& encounter) {
     Overlap& overlap = of_encounters[std::size_t(i)];
     overlap = {model.hex_body[encounter.hex], encounter.body};
-    for (const FoundVertex& vertex : find_held(step, positions, search, encounter)) {
-      const Touch touch = measure(model, vertex.held);
-      if (touch.gap >= 0) continue;
+    for (const FoundVertex& vertex : find_held(step, positions, positions, search, encounter)) {
+      const double gap = measure(model, vertex.held).gap;
+      if (gap >= 0) continue;
       ++overlap.vertices;
-      overlap.depth = std::max(overlap.depth, -touch.gap);
+      overlap.depth = std::max(overlap.depth, -gap);
     }
   });
   std::map<std::pair<int, int>, Overlap> sums;
@@ -391,10 +399,9 @@ double max_surface_penetration(const Model& model, const ContactGeometry& geomet
   const Search search = search_at(step, positions);
   VectorXd depths = VectorXd::Zero(Eigen::Index(search.encounters.size()));
   for_each_encounter(search.encounters, [&](Eigen::Index i, const Encounter& encounter) {
-    depths[i] =
-        -find_deepest(model, find_held(step, positions, search, encounter), 0, -anywhere, [](const Touch& touch) {
-           return touch.gap;
-         }).gap;
+    const DeepestVertex deepest = find_deepest(model, find_held(step, positions, positions, search, encounter), 0,
+                                               [](const HeldVertex&) { return 0.0; });
+    depths[i] = -deepest.gap;
   });
   return depths.size() ? depths.maxCoeff() : 0;
 }

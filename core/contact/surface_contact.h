@@ -10,10 +10,12 @@
 // The gap is phi to first order in the deformed body, and its derivative is that of the vertex against the material at
 // X along the normal: the eight weights of X are the touched body's part of the contact.
 //
-// The nearest triangle may be on the wrong side of a thin wall, or of a finger smaller than a cell. Where the vertex came
-// from in this step, seen from the material, is X0 = X + F^-1 (p(t0) - x(X, t0)). If X0 lies outside, only triangles count
-// whose normals are within 60 degrees of that of the first one which the path from X0 to X enters; a path that enters
-// the body has entered it even where X lies beyond its other side.
+// The nearest triangle may be on the wrong side of a thin wall, or of a finger smaller than a cell. Where the vertex was
+// when bodies were last apart, seen from the material, is X0 = X + F^-1 (p(a) - x(X, a)), a: the step's start, or the
+// last iterate since at which none was inside another. If X0 lies outside, only triangles count whose normals are within
+// 60 degrees of that of the first one which the path from X0 to X enters; a path that enters the body has entered it even
+// where X lies beyond its other side. From one iterate to the next hexes move by no more than half a cell against each
+// other (felt_share(), core/contact/encounters.h), so that none passes another unseen.
 //
 // Hexes that share a node do not touch each other. Surfaces that overlap at rest in the same hexes never do.
 #pragma once
@@ -25,13 +27,22 @@
 
 namespace umax {
 
+/// [penetration tolerances] of a vertex that counts as outside what it touches.
+inline constexpr double nearly_outside = 10;
+
 /// Contacts at the positions: for each hex and each body that its vertices may touch, the vertex with the least gap
-/// below -share * tolerance_depth. In the order of hexes and touched bodies.
-std::vector<Contact> surface_candidates(const ContactStep& step, const Points& positions, double share);
+/// below -share * tolerance_depth. In the order of hexes and touched bodies. apart: #N x 3 [m] where bodies were last
+/// apart.
+std::vector<Contact> surface_candidates(const ContactStep& step, const Points& apart, const Points& positions,
+                                        double share);
+
+/// Is a vertex of one body deeper in another than that?
+bool bodies_meet(const ContactStep& step, const Points& apart, const Points& positions, double share);
 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
 /// the touched body's cage, or is in a hex turned inside out, keeps its place and normal.
-void place_surface_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
+void place_surface_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+                            std::vector<Contact>& contacts);
 
 /// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap
 /// and normal stay.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/surface_contact.h"
 #include "core/element/limit_law.h"
 #include "core/element/rotation.h"
 #include "core/model/hex_limits.h"
@@ -81,7 +82,7 @@ Iterate predict(const StepProblem& problem, const State& state) {
   const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
   const std::vector<char> falls = falling_bodies(model, state);
   Iterate iterate;
-  iterate.positions = problem.positions_t0;
+  iterate.positions = iterate.apart = problem.positions_t0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     for (int i = 0; i < model.bodies[b].num_nodes; ++i) {
       const int node = model.bodies[b].first_node + i;
@@ -104,16 +105,47 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
     if (model.node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
   iterate.multipliers.setZero();
   for (Contact& contact : iterate.contacts) contact.force.setZero();
-  update_contacts(problem.contact, iterate.positions, iterate.contacts);
+  update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
   return iterate;
+}
+
+void approach(const StepProblem& problem, Iterate& iterate) {
+  const ContactGeometry& geometry = *problem.contact.geometry;
+  const Points way = iterate.positions - problem.positions_t0;
+  const int parts =
+      felt_parts(*problem.model, geometry.touchable, geometry.hex_starts, problem.positions_t0, iterate.positions);
+  if (parts == 1) return;
+  for (int part = 1; part <= parts; ++part) {
+    iterate.positions = problem.positions_t0 + double(part) / parts * way;
+    if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share)) break;
+    iterate.apart = iterate.positions;
+  }
+  update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
+}
+
+double felt_share(const StepProblem& problem, const Iterate& iterate, const VectorXd& step) {
+  const ContactGeometry& geometry = *problem.contact.geometry;
+  return felt_share(*problem.model, geometry.touchable, geometry.hex_starts, iterate.positions,
+                    iterate.positions + unflatten(step));
+}
+
+int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate) {
+  if (keeps_normals)
+    follow_contacts(problem.contact, iterate.positions, iterate.contacts);
+  else
+    update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
+  const int added =
+      add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
+  if (are_apart(*problem.model, iterate.contacts)) iterate.apart = iterate.positions;
+  return added;
 }
 
 int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
   const auto before = std::ptrdiff_t(iterate.contacts.size());
-  const int count =
-      add_contacts(problem.contact, iterate.positions + unflatten(step), problem.joining_share, iterate.contacts);
+  const int count = add_contacts(problem.contact, iterate.apart, iterate.positions + unflatten(step),
+                                 problem.joining_share, iterate.contacts);
   std::vector<Contact> added(iterate.contacts.begin() + before, iterate.contacts.end());
-  update_contacts(problem.contact, iterate.positions, added);
+  update_contacts(problem.contact, iterate.apart, iterate.positions, added);
   std::copy(added.begin(), added.end(), iterate.contacts.begin() + before);
   return count;
 }

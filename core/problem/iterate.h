@@ -17,9 +17,10 @@ inline bool is_balanced(double kkt_residual, double tolerance) {
 }
 
 struct Iterate {
-  Points positions;               // #N x 3 [m]
-  VectorXd multipliers;           // #L force-level [J]
-  std::vector<char> released;     // #L limits that are left out of the next linearisation
+  Points positions;            // #N x 3 [m]
+  Points apart;                // #N x 3 [m] the last at which bodies were apart: of the step's start and the iterates
+  VectorXd multipliers;        // #L force-level [J]
+  std::vector<char> released;  // #L limits that are left out of the next linearisation
   std::vector<Contact> contacts;  // working set
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
@@ -42,6 +43,17 @@ Iterate predict(const StepProblem& problem, const State& state);
 
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
 Iterate predict_undeformed(const StepProblem& problem, const State& state);
+
+/// Moves the iterate from the step's start towards where it is, to where bodies first meet: those that move far against
+/// each other could be through each other at once.
+void approach(const StepProblem& problem, Iterate& iterate);
+
+/// Share of a step from the iterate on which no bodies move past each other unseen, at most 1.
+double felt_share(const StepProblem& problem, const Iterate& iterate, const VectorXd& step);
+
+/// Brings contacts to the iterate's positions and adds those that are missing; their number. keeps_normals: they are
+/// followed along the normals that they have.
+int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate);
 
 /// Vertices that a step would push in too deep join the contacts, as they are at the iterate. Returns their number.
 int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate);

@@ -41,6 +41,12 @@ double contact_penalty(const StepProblem& problem, const Contact& contact) {
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 
+bool are_apart(const Model& model, const std::vector<Contact>& contacts) {
+  return std::none_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+    return contact.between_bodies() && contact.gap < -nearly_outside * tolerance_depth(model, contact);
+  });
+}
+
 double deepest(const std::vector<Contact>& contacts) {
   double depth = 0;
   for (const Contact& contact : contacts) depth = std::max(depth, -contact.gap);
@@ -64,9 +70,9 @@ std::vector<Contact> recall_contacts(const StepProblem& problem, const State& st
                            : make_contact(model, memory.point, memory.obstacle, memory.hex));
     contacts.back().force = memory.impulse / problem.h;
   }
-  place_surface_contacts(problem.contact, problem.positions_t0, contacts);
+  place_surface_contacts(problem.contact, problem.positions_t0, problem.positions_t0, contacts);
   std::erase_if(contacts, [](const Contact& contact) { return contact.normal.isZero(0); });
-  update_contacts(problem.contact, positions, contacts);
+  update_contacts(problem.contact, problem.positions_t0, positions, contacts);
   return contacts;
 }
 

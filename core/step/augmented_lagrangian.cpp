@@ -96,11 +96,11 @@ Minimisation minimise(const StepProblem& problem, Workspace::Data& workspace, in
 
     ++report.sqp_iterations;
     VectorXd step = newton_step(problem, at, slope, inner_accuracy, iterate, workspace, report);
-    step *= max_step_fraction(*problem.model, step);
+    step *= std::min(max_step_fraction(*problem.model, step), felt_share(problem, iterate, step));
 
     if (!descend(problem, step, slope.dot(step), lagrangian(problem, iterate, at), iterate))
       return {true, i + 1};  // as low as rounding lets it
-    add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+    add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
   }
   return {false, std::max(most, 0)};
 }
@@ -140,14 +140,13 @@ Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspa
                             StepReport& report) {
   int left = problem.options->solver.max_augmented_iterations;
   evaluate(problem, iterate.positions, iterate.evaluation);
-  add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+  add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
   Stall stall;
   while (true) {
     const auto [settled, iterations] = minimise(problem, workspace, left, iterate, report);
     left -= iterations;
     update_multipliers(problem, iterate);
-    update_contacts(problem.contact, iterate.positions, iterate.contacts);
-    const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+    const int added = find_contacts(problem, false, iterate);
     const Quality quality = assess(problem, iterate);
     report_iteration(problem, report.sqp_iterations, quality, iterate);
     iterate.residuals.push_back(quality.kkt);

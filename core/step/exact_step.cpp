@@ -16,7 +16,8 @@ namespace {
 constexpr double relative_penalty = 1e4;   // rho / U_max, where the matrix is factored
 constexpr double multigrid_penalty = 1e3;  // rho / (U_max + lambda), on multigrids
 constexpr double hold = 10;                // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
-constexpr int normal_updates = 6;          // iterations after which contacts keep their normals
+constexpr int normal_updates = 6;          // iterations, but those cut short where bodies meet, after which contacts
+                                           // keep their normals
 
 // One of the two ways in which the SQP solves its subproblem, and what goes with it.
 struct BackEnd {
@@ -89,13 +90,10 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
   const SolverOptions& solver = problem.options->solver;
   TakenStep last;
   bool been_near = false;
+  int whole_steps = 0;  // that were not cut where bodies come near each other
   for (int iteration = 0;; ++iteration) {
     evaluate(problem, iterate.positions, iterate.evaluation);
-    if (iteration < normal_updates)
-      update_contacts(problem.contact, iterate.positions, iterate.contacts);
-    else
-      follow_contacts(problem.contact, iterate.positions, iterate.contacts);
-    const int added = add_contacts(problem.contact, iterate.positions, problem.joining_share, iterate.contacts);
+    const int added = find_contacts(problem, whole_steps >= normal_updates, iterate);
     const Quality quality = assess(problem, iterate);
     iterate.residuals.push_back(quality.kkt);
     report_iteration(problem, iteration, quality, iterate);
@@ -112,14 +110,23 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 
     // go along it as far as what is linear holds
     iterate.last_move = largest_move(model, newton.step);
-    const double share = max_step_fraction(model, newton.step);
+    const double felt = felt_share(problem, iterate, newton.step);
+    const double share = std::min(felt, max_step_fraction(model, newton.step));
+    if (felt == 1) ++whole_steps;
     update_multipliers(problem, at, newton.limit_change, share, iterate);
     const bool balanced = is_balanced(quality.kkt, solver.tolerance);
-    const double moved = step_factor(model, newton.step, share, balanced, iterate.residuals, last);
+    double moved = step_factor(model, newton.step, share, balanced, iterate.residuals, last);
+    if (moved > 1) moved *= felt_share(problem, iterate, moved * newton.step);
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);
     if (back_end.corrects) last = taken_step(std::move(newton.step), moved);
   }
+}
+
+// The safety net has no steps against contacts that turn as bodies move around each other: two halves are cheaper.
+bool bodies_touch(const Iterate& iterate) {
+  return std::any_of(iterate.contacts.begin(), iterate.contacts.end(),
+                     [](const Contact& contact) { return contact.between_bodies(); });
 }
 
 // The SQP; where it fails the safety net; where even that ends beyond the limits, as it may from a crumpled start that
@@ -127,11 +134,13 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data& workspace, const State& state,
                  Iterate& iterate, StepReport& report) {
   iterate = predict(problem, state);
+  approach(problem, iterate);
   const BackEnd& back_end = problem.plan.is_multigrid() ? multigrid : direct;
   back_end.prepare(problem, iterate, workspace);
   if (sequential_quadratic(problem, back_end, workspace, iterate, report)) return StepStatus::converged;
-  if (back_end.halves_first && may_be_halved) return StepStatus::iteration_limit;
+  if (may_be_halved && (back_end.halves_first || bodies_touch(iterate))) return StepStatus::iteration_limit;
   iterate = predict(problem, state);
+  approach(problem, iterate);
   const Search search = augmented_lagrangian(problem, workspace, iterate, report);
   if (search == Search::solved) return StepStatus::converged;
 

@@ -71,6 +71,8 @@ std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeom
   const Points expected = state.positions + time_step * state.velocities;
   const Encounters encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, expected, margin);
   for (const Encounter& encounter : encounters.all) groups.join(model.hex_body[encounter.hex], encounter.body);
+  for (const auto& [a, b] : fast_pairs(model, geometry.touchable, geometry.hex_starts, state.positions, expected))
+    groups.join(a, b);
   return groups.all();
 }
 
@@ -86,7 +88,7 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
     }
   const ContactStep step =
       begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0);
-  for (const Contact& contact : surface_candidates(step, end.positions, 1)) {
+  for (const Contact& contact : surface_candidates(step, start.positions, end.positions, 1)) {
     const auto [first, second] = bodies_of(model, contact);
     if (island_of[first] != island_of[second]) groups.join(first, second);
   }

@@ -17,7 +17,7 @@ struct Island {
 };
 
 /// Groups of bodies (ascending, by their first one) that have touched in the last step, or of which hexes come near each
-/// other where the bodies go if nothing holds them.
+/// other on their way or where the bodies go if nothing holds them.
 std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeometry& geometry, double time_step,
                                            const State& state);
 

@@ -19,7 +19,7 @@
 namespace umax {
 namespace {
 
-constexpr double largest_move_felt = 0.25;  // [cells] of hexes towards each other in a solve
+constexpr int most_parts = 8;  // of the way of bodies towards each other, half a cell each, in one solve
 constexpr int most_fast_halvings = 8;
 
 // kinetic, elastic (true energy, whatever the limit measures) and gravitational energy
@@ -61,13 +61,12 @@ StepReport joined(const StepReport& first, const StepReport& second) {
   return sum;
 }
 
-// Do hexes that may touch come so far towards each other that one could be through the other before it is felt?
+// Do hexes that may touch come so far towards each other that one solve would have too long a way?
 bool moves_too_fast(const Model& model, const ContactGeometry& geometry, const StepOptions& options,
                     const State& state) {
   if (!geometry.touchable.any()) return false;
   const Points expected = state.positions + options.time_step * state.velocities;
-  return largest_approach(model, geometry.touchable, geometry.hex_starts, state.positions, expected,
-                          largest_move_felt) > largest_move_felt;
+  return felt_parts(model, geometry.touchable, geometry.hex_starts, state.positions, expected) > most_parts;
 }
 
 // how often a step may still be halved: where it does not converge, and where bodies move too fast

@@ -173,7 +173,7 @@ TEST_CASE("contact forces of two bodies have neither sum nor torque") {
   const ContactGeometry geometry = make_contact_geometry(model);
   const ContactStep step = begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  REQUIRE(add_contacts(step, positions, 0, contacts) > 3);
+  REQUIRE(add_contacts(step, positions, positions, 0, contacts) > 3);
   for (const Contact& contact : contacts) {
     CHECK(contact.normal.norm() == Approx(1));
     CHECK(contact_position(model, positions, contact).norm() < 1e-12);  // both places are one
@@ -202,7 +202,7 @@ TEST_CASE("a gap changes as its supports say, with second order where it is zero
   positions.topRows(27).col(0).array() += 1e-12;  // in touch
   const ContactStep step = begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  add_contacts(step, positions, 0, contacts);
+  add_contacts(step, positions, positions, 0, contacts);
   int measured = 0;
   for (const Contact& contact : contacts) {
     const Vector3d place = embedded_position(model, positions, contact.support);
@@ -211,7 +211,7 @@ TEST_CASE("a gap changes as its supports say, with second order where it is zero
     const double slope = contact.normal.dot(contact_motion(model, contact, motion.reshaped<Eigen::RowMajor>()));
     const auto error = [&](double h) {
       std::vector<Contact> moved{contact};
-      place_surface_contacts(step, positions + h * motion, moved);
+      place_surface_contacts(step, positions, positions + h * motion, moved);
       return std::abs((moved[0].gap - contact.gap) / h - slope);
     };
     CHECK(error(1e-4) < 0.05);
@@ -227,7 +227,9 @@ TEST_CASE("a fast ball does not pass through a sheet one hex thick") {
   sheet.name = "sheet";
   sheet.material.young = 2e6;
   Body ball = touchable_block("ball", {2, 2, 2}, {-0.05, 0.2, -0.05}, 0.05, 4);
-  ball.velocity = {0, -10, 0};
+  const double speed = GENERATE(10, 30);  // [m/s] 3.3 and 10 cells a step
+  CAPTURE(speed);
+  ball.velocity = {0, -speed, 0};
   const Model model = make_model({sheet, ball}, {});
   State state = rest_state(model);
   int substeps = 0;
@@ -237,7 +239,7 @@ TEST_CASE("a fast ball does not pass through a sheet one hex thick") {
     CHECK(report.max_penetration < 2e-2 * 0.05);
     CHECK(highest_of(model, now, 1) > lowest_of(model, now, 0));
   });
-  CHECK(substeps > 4);
+  CHECK((substeps > 1) == (speed > 20));
   CHECK(lowest_of(model, state, 1) > -0.3);
 }
 

@@ -134,7 +134,7 @@ struct Impact {
 
   Impact() {
     evaluate(problem, iterate.positions, iterate.evaluation);
-    add_contacts(problem.contact, iterate.positions, 0.5, iterate.contacts);
+    add_contacts(problem.contact, iterate.apart, iterate.positions, 0.5, iterate.contacts);
     REQUIRE(iterate.contacts.size() >= 5);
     at.limits = limit_terms(problem, iterate, 1e4);
   }
@@ -191,7 +191,7 @@ TEST_CASE("contacts that all miss a little of their forces do not let a body sin
   const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
   Iterate iterate = predict(problem, state);
   evaluate(problem, iterate.positions, iterate.evaluation);
-  update_contacts(problem.contact, iterate.positions, iterate.contacts);
+  update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
   const std::vector<Contact> before = iterate.contacts;
   REQUIRE(before.size() > 50);
   REQUIRE(deepest(before) > 0.9 * sunk);
