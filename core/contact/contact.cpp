@@ -189,7 +189,7 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   return step;
 }
 
-void update_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+void update_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                      std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) place(step, positions, contact);
   place_surface_contacts(step, apart, positions, contacts);
@@ -208,8 +208,8 @@ void follow(const Model& model, const Points& positions, Contact& contact) {
   contact.position = position;
 }
 
-int add_contacts(const ContactStep& step, const Points& apart, const Points& positions, double share,
-                 std::vector<Contact>& contacts) {
+int add_obstacle_contacts(const ContactStep& step, const Points& positions, double share,
+                          std::vector<Contact>& contacts) {
   const std::size_t known = contacts.size();
   std::vector<ContactCandidate> candidates = vertex_candidates(step, positions, share);
   const std::vector<ContactCandidate> edges = edge_candidates(step, positions, share);
@@ -220,9 +220,21 @@ int add_contacts(const ContactStep& step, const Points& apart, const Points& pos
     place(step, positions, contact);
     contacts.push_back(contact);
   }
+  return int(contacts.size() - known);
+}
+
+int add_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
+                         std::vector<Contact>& contacts) {
+  const std::size_t known = contacts.size();
   for (const Contact& contact : surface_candidates(step, apart, positions, share))
     if (!in_set(*step.model, contacts, known, contact)) contacts.push_back(contact);
   return int(contacts.size() - known);
+}
+
+int add_contacts(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
+                 std::vector<Contact>& contacts) {
+  const int added = add_obstacle_contacts(step, positions, share, contacts);
+  return added + add_surface_contacts(step, apart, positions, share, contacts);
 }
 
 std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& positions, double margin) {

@@ -12,6 +12,9 @@
 // again, until none of the others lies deeper than the tolerance.
 #pragma once
 
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/contact/encounters.h"
@@ -37,8 +40,23 @@ struct Contact {
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
   Vector3d position = Vector3d::Zero();         // [m] world, of the point against what is touched, when gap was taken
   Vector3d force = Vector3d::Zero();            // [N] world, on the body; the other body has it reversed
+  Vector3d turn = Vector3d::Zero();             // [-] of the normal out of a touched body from one iterate to the next,
+  int turns_back = 0;                           // and how often it undid the one before
 
   bool between_bodies() const { return obstacle < 0; }
+};
+
+/// Where vertices were when they were last outside what they touch: at the last iterate, or before.
+struct LastApart {
+  LastApart() = default;
+  LastApart(const Points& positions) : latest(std::make_shared<const Points>(positions)) {}
+  std::shared_ptr<const Points> latest;  // #N x 3 [m]
+  // of the vertices of a hex in a body, if one was inside at the last iterate
+  std::map<std::pair<int, int>, std::shared_ptr<const Points>> before;
+  const Points& of(int hex, int body) const {
+    const auto found = before.find({hex, body});
+    return *(found == before.end() ? latest : found->second);
+  }
 };
 
 /// A contact of the point, which the hex holds, in no place yet: update_contacts() gives it one.
@@ -88,19 +106,25 @@ AllowedDepth allowed_depth(double depth, double tolerance, double recovery);
 /// Depth [m] below which a vertex of the hex counts as touching, not as penetrating: a thousandth of its body's cells.
 double tolerance_depth(const Model& model, int hex);
 
-/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions. apart: #N x 3 [m] where
-/// bodies were last apart.
-void update_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+/// Refreshes gap, normal, weights and obstacle_motion of the contacts at the given positions.
+void update_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                      std::vector<Contact>& contacts);
 
-/// Refreshes the gaps along the normals that the contacts have; normals and places stay. For iterations that would
-/// otherwise flip for ever between two faces at an edge: staying outside one face's plane is staying outside.
+/// Refreshes the gaps along the normals that the contacts have; normals and places stay.
 void follow_contacts(const ContactStep& step, const Points& positions, std::vector<Contact>& contacts);
 void follow(const Model& model, const Points& positions, Contact& contact);
 
-/// Appends, for each hex and obstacle or touched body, the deepest point with gap < -share * tolerance_depth that is not yet in the
-/// set. share 0: every touching hex. Returns the number added.
-int add_contacts(const ContactStep& step, const Points& apart, const Points& positions, double share,
+/// Appends, for each hex and obstacle, the deepest point with gap < -share * tolerance_depth that is not yet in the set.
+/// share 0: every touching hex. Returns the number added.
+int add_obstacle_contacts(const ContactStep& step, const Points& positions, double share,
+                          std::vector<Contact>& contacts);
+
+/// The same for each hex and touched body, by surface_candidates().
+int add_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
+                         std::vector<Contact>& contacts);
+
+/// Both.
+int add_contacts(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
                  std::vector<Contact>& contacts);
 
 /// The hexes with surface vertices that are within a margin [cells of their body] of an obstacle at the step's end.

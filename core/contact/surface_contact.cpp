@@ -17,12 +17,15 @@ namespace {
 constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
+constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
+constexpr int most_turns_back = 2;   // of a contact, after which it may keep its plane
+constexpr double kept_share = 0.5;   // [penetration tolerances] that it lets a vertex be inside
 
 // A vertex seen from the material of the hex that it is in.
 struct HeldVertex {
   Support vertex, other;
   Matrix3d F_inverse;
-  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it was when bodies were last apart
+  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it was last outside
   DistanceBounds bounds;  // [m] of the distance at X
   double moved = 0;       // [m] from X0 to X
 };
@@ -97,7 +100,7 @@ Vector3d pushed_forward(const Model& model, const HeldVertex& held, const Vector
   return held.F_inverse.transpose() * (body_of(model, held.other.hex).rest_pose.rotation * normal);
 }
 
-// was the vertex farther inside when bodies were last apart than rounding and tolerances explain?
+// was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
 bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex& held) {
   const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
   const DistanceBounds bounds = distance_bounds(surface, held.X0);
@@ -138,7 +141,7 @@ bool hold_any(const Model& model, const Points& apart, const Points& positions, 
 struct OtherHex {
   int hex = 0;
   HexBounds bounds;
-  double largest_move = 0;  // [m] of the vertices' hex against this one since bodies were apart, at rest
+  double largest_move = 0;  // [m] of the vertices' hex against this one since its vertices were outside, at rest
 };
 
 // how far nodes of the two hexes move against each other between two sets of positions [m]
@@ -251,17 +254,29 @@ DeepestVertex find_deepest(const Model& model, std::vector<FoundVertex> found, d
 }
 
 // the vertex of a hex that is deepest in a body, of those deeper than `share` of what is tolerated
-std::optional<Contact> deepest_vertex(const ContactStep& step, const Points& apart, const Points& positions,
+std::optional<Contact> deepest_vertex(const ContactStep& step, const LastApart& apart, const Points& positions,
                                       const Search& search, const Encounter& encounter, double share) {
   const Model& model = *step.model;
   const double tolerance = tolerance_between(model, encounter.hex, encounter.others.front());
   const DeepestVertex deepest =
-      find_deepest(model, find_held(step, apart, positions, search, encounter), -share * tolerance,
-                   [&](const HeldVertex& held) { return allowance(step, held).deep; });
+      find_deepest(model, find_held(step, apart.of(encounter.hex, encounter.body), positions, search, encounter),
+                   -share * tolerance, [&](const HeldVertex& held) { return allowance(step, held).deep; });
   if (deepest.point < 0) return {};
   Contact contact = make_surface_contact(model, deepest.point, encounter.hex, deepest.held.other.hex);
   take(step, positions, deepest.held, deepest.touch, contact);
   return contact;
+}
+
+bool undoes(const Vector3d& turn, const Vector3d& before) {
+  return turn.norm() > least_turn && before.norm() > least_turn &&
+         turn.dot(before) < -0.5 * turn.norm() * before.norm();
+}
+
+// Does the plane that a contact has keep the vertex outside, and near, what is found for it anew?
+bool keeps_outside(const Model& model, const Contact& plane, const Contact& anew) {
+  const double tolerance = tolerance_depth(model, anew);
+  if (anew.gap > nearly_outside * tolerance) return false;
+  return anew.gap >= -kept_share * tolerance || plane.gap <= anew.gap;
 }
 
 // hexes of a body that may hold a vertex of the hex, ascending
@@ -309,7 +324,7 @@ ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const P
 
 }  // namespace
 
-std::vector<Contact> surface_candidates(const ContactStep& step, const Points& apart, const Points& positions,
+std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart& apart, const Points& positions,
                                         double share) {
   if (!step.surfaces_touch || !step.geometry->touchable.any()) return {};
   const Search search = search_at(step, positions);
@@ -324,7 +339,7 @@ std::vector<Contact> surface_candidates(const ContactStep& step, const Points& a
   return all;
 }
 
-bool bodies_meet(const ContactStep& step, const Points& apart, const Points& positions, double share) {
+bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share) {
   const std::vector<Contact> contacts = surface_candidates(step, apart, positions, share);
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
     const auto [first, second] = bodies_of(*step.model, contact);
@@ -332,7 +347,7 @@ bool bodies_meet(const ContactStep& step, const Points& apart, const Points& pos
   });
 }
 
-void place_surface_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts) {
   const Model& model = *step.model;
   std::vector<std::vector<Eigen::AlignedBox3d>> boxes;  // made when the first vertex has left its hex
@@ -340,20 +355,27 @@ void place_surface_contacts(const ContactStep& step, const Points& apart, const 
     if (!contact.between_bodies()) continue;
     const Support& vertex = contact.support;
     const Vector3d position = embedded_position(model, positions, vertex);
+    const int body = model.hex_body[contact.other.hex];
+    const Points& before = apart.of(vertex.hex, body);
     HeldVertex held;
-    bool found = hold(model, apart, positions, vertex, position, contact.other.hex, within_hex, held);
+    bool found = hold(model, before, positions, vertex, position, contact.other.hex, within_hex, held);
     if (!found) {
       if (boxes.empty())
         for (const HexTree& tree : step.geometry->touchable.trees) boxes.push_back(boxes_at(tree, model, positions));
-      const int body = model.hex_body[contact.other.hex];
-      found = hold_any(model, apart, positions, vertex, position,
+      found = hold_any(model, before, positions, vertex, position,
                        hexes_at(step, boxes[body], vertex.hex, body, position), held) ||
-              hold(model, apart, positions, vertex, position, contact.other.hex, around_hex, held);
+              hold(model, before, positions, vertex, position, contact.other.hex, around_hex, held);
     }
-    if (found)
-      take(step, positions, held, measure(model, held), contact);
+    Contact next = contact;
+    follow(model, positions, contact);
+    if (!found) continue;
+    take(step, positions, held, measure(model, held), next);
+    if (!contact.normal.isZero(0)) next.turn = next.normal - contact.normal;
+    if (undoes(next.turn, contact.turn)) ++next.turns_back;
+    if (next.turns_back > most_turns_back && keeps_outside(model, contact, next))
+      keep_at_vertex(model, positions, contact);
     else
-      follow(model, positions, contact);
+      contact = next;
   }
 }
 

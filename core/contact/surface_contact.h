@@ -11,8 +11,8 @@
 // X along the normal: the eight weights of X are the touched body's part of the contact.
 //
 // The nearest triangle may be on the wrong side of a thin wall, or of a finger smaller than a cell. Where the vertex was
-// when bodies were last apart, seen from the material, is X0 = X + F^-1 (p(a) - x(X, a)), a: the step's start, or the
-// last iterate since at which none was inside another. If X0 lies outside, only triangles count whose normals are within
+// last outside, seen from the material, is X0 = X + F^-1 (p(a) - x(X, a)), a: the step's start, or
+// the last iterate since at which no vertex of its hex was inside that body. If X0 lies outside, only triangles count whose normals are within
 // 60 degrees of that of the first one which the path from X0 to X enters; a path that enters the body has entered it even
 // where X lies beyond its other side. From one iterate to the next hexes move by no more than half a cell against each
 // other (felt_share(), core/contact/encounters.h), so that none passes another unseen.
@@ -31,17 +31,18 @@ namespace umax {
 inline constexpr double nearly_outside = 10;
 
 /// Contacts at the positions: for each hex and each body that its vertices may touch, the vertex with the least gap
-/// below -share * tolerance_depth. In the order of hexes and touched bodies. apart: #N x 3 [m] where bodies were last
-/// apart.
-std::vector<Contact> surface_candidates(const ContactStep& step, const Points& apart, const Points& positions,
+/// below -share * tolerance_depth. In the order of hexes and touched bodies.
+std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart& apart, const Points& positions,
                                         double share);
 
 /// Is a vertex of one body deeper in another than that?
-bool bodies_meet(const ContactStep& step, const Points& apart, const Points& positions, double share);
+bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share);
 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
-/// the touched body's cage, or is in a hex turned inside out, keeps its place and normal.
-void place_surface_contacts(const ContactStep& step, const Points& apart, const Points& positions,
+/// the touched body's cage, or is in a hex turned inside out, keeps its place and normal. So does one whose normal turns
+/// to and fro between iterates, as between two faces at an edge, while its plane holds it where it should be: staying
+/// outside one face's plane is staying outside.
+void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 
 /// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap

@@ -7,6 +7,7 @@
 #include "core/element/limit_law.h"
 #include "core/element/rotation.h"
 #include "core/model/hex_limits.h"
+#include "core/problem/step_length.h"
 
 namespace umax {
 namespace {
@@ -82,7 +83,8 @@ Iterate predict(const StepProblem& problem, const State& state) {
   const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
   const std::vector<char> falls = falling_bodies(model, state);
   Iterate iterate;
-  iterate.positions = iterate.apart = problem.positions_t0;
+  iterate.positions = problem.positions_t0;
+  iterate.apart = iterate.positions;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     for (int i = 0; i < model.bodies[b].num_nodes; ++i) {
       const int node = model.bodies[b].first_node + i;
@@ -130,20 +132,29 @@ double felt_share(const StepProblem& problem, const Iterate& iterate, const Vect
 }
 
 int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate) {
-  if (keeps_normals)
-    follow_contacts(problem.contact, iterate.positions, iterate.contacts);
-  else
+  if (keeps_normals) {
+    for (Contact& contact : iterate.contacts)
+      if (!contact.between_bodies()) follow(*problem.model, iterate.positions, contact);
+    place_surface_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
+  } else {
     update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
+  }
   const int added =
       add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
-  if (are_apart(*problem.model, iterate.contacts)) iterate.apart = iterate.positions;
+  if (problem.contact.geometry->touchable.any())
+    remember_apart(*problem.model, iterate.contacts, iterate.positions, iterate.apart);
   return added;
 }
 
 int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
   const auto before = std::ptrdiff_t(iterate.contacts.size());
-  const int count = add_contacts(problem.contact, iterate.apart, iterate.positions + unflatten(step),
-                                 problem.joining_share, iterate.contacts);
+  int count = add_obstacle_contacts(problem.contact, iterate.positions + unflatten(step), problem.joining_share,
+                                    iterate.contacts);
+  if (problem.contact.geometry->touchable.any()) {
+    const double share = std::min(max_step_fraction(*problem.model, step), felt_share(problem, iterate, step));
+    count += add_surface_contacts(problem.contact, iterate.apart, iterate.positions + share * unflatten(step),
+                                  problem.joining_share, iterate.contacts);
+  }
   std::vector<Contact> added(iterate.contacts.begin() + before, iterate.contacts.end());
   update_contacts(problem.contact, iterate.apart, iterate.positions, added);
   std::copy(added.begin(), added.end(), iterate.contacts.begin() + before);

@@ -17,10 +17,10 @@ inline bool is_balanced(double kkt_residual, double tolerance) {
 }
 
 struct Iterate {
-  Points positions;            // #N x 3 [m]
-  Points apart;                // #N x 3 [m] the last at which bodies were apart: of the step's start and the iterates
-  VectorXd multipliers;        // #L force-level [J]
-  std::vector<char> released;  // #L limits that are left out of the next linearisation
+  Points positions;               // #N x 3 [m]
+  LastApart apart;                // by the step's start and the iterates
+  VectorXd multipliers;           // #L force-level [J]
+  std::vector<char> released;     // #L limits that are left out of the next linearisation
   std::vector<Contact> contacts;  // working set
   Evaluation evaluation;          // at positions
   double last_move = 0;           // [cells] largest node displacement of the last iteration
@@ -51,8 +51,8 @@ void approach(const StepProblem& problem, Iterate& iterate);
 /// Share of a step from the iterate on which no bodies move past each other unseen, at most 1.
 double felt_share(const StepProblem& problem, const Iterate& iterate, const VectorXd& step);
 
-/// Brings contacts to the iterate's positions and adds those that are missing; their number. keeps_normals: they are
-/// followed along the normals that they have.
+/// Brings contacts to the iterate's positions and adds those that are missing; their number. keeps_normals: those of
+/// obstacles, for iterations that would otherwise flip for ever between two faces at an edge.
 int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate);
 
 /// Vertices that a step would push in too deep join the contacts, as they are at the iterate. Returns their number.

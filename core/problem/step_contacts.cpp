@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/contact/surface_contact.h"
 
@@ -41,10 +42,16 @@ double contact_penalty(const StepProblem& problem, const Contact& contact) {
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));
 }
 
-bool are_apart(const Model& model, const std::vector<Contact>& contacts) {
-  return std::none_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
-    return contact.between_bodies() && contact.gap < -nearly_outside * tolerance_depth(model, contact);
-  });
+void remember_apart(const Model& model, const std::vector<Contact>& contacts, const Points& positions,
+                    LastApart& apart) {
+  LastApart now(positions);
+  for (const Contact& contact : contacts) {
+    if (!contact.between_bodies() || contact.gap >= -nearly_outside * tolerance_depth(model, contact)) continue;
+    const std::pair<int, int> key(contact.support.hex, model.hex_body[contact.other.hex]);
+    const auto found = apart.before.find(key);
+    now.before[key] = found == apart.before.end() ? apart.latest : found->second;
+  }
+  apart = std::move(now);
 }
 
 double deepest(const std::vector<Contact>& contacts) {

@@ -23,8 +23,10 @@ ContactRows contact_rows(const StepProblem& problem, const Points& positions, co
 /// Penalty [N/m] of an augmented Lagrangian on a contact: much stiffer than the hex that it holds.
 double contact_penalty(const StepProblem& problem, const Contact& contact);
 
-/// Is no vertex of the contacts farther inside a body than tolerances explain?
-bool are_apart(const Model& model, const std::vector<Contact>& contacts);
+/// Vertices that are inside a body at the positions, by more than tolerances explain, keep where they were last apart; the
+/// positions count for all others. contacts: complete there.
+void remember_apart(const Model& model, const std::vector<Contact>& contacts, const Points& positions,
+                    LastApart& apart);
 
 /// Depth [m] of the deepest contact of a working set, 0 where all are open.
 double deepest(const std::vector<Contact>& contacts);
