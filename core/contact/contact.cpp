@@ -16,6 +16,7 @@ namespace {
 // no surface vertex may end a step deeper than this share of the cell size
 constexpr double penetration_tolerance = 1e-3;
 constexpr double kept_share = 0.5;  // of it, that a start's depth may keep: what a solution may add fits in the rest
+constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
 constexpr Eigen::Index hexes_per_block = 64;
 
 Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point) {
@@ -59,13 +60,22 @@ void place(const ContactStep& step, const Points& positions, Contact& contact) {
   }
 }
 
-// does the point touch the same obstacle or body in one of the first contacts?
-bool in_set(const Model& model, const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
+// does the point touch the same obstacle in one of the first contacts?
+bool in_set(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
+  return std::any_of(contacts.begin(), contacts.begin() + std::ptrdiff_t(count), [&](const Contact& known) {
+    return known.point == contact.point && known.obstacle == contact.obstacle;
+  });
+}
+
+// of the first contacts, those of the same vertex with the same body
+std::vector<Contact*> contacts_of(const Model& model, std::vector<Contact>& contacts, std::size_t count,
+                                  const Contact& contact) {
+  std::vector<Contact*> found;
   for (std::size_t i = 0; i < count; ++i)
-    if (contacts[i].point == contact.point && contacts[i].obstacle == contact.obstacle &&
+    if (contacts[i].point == contact.point && contacts[i].between_bodies() &&
         bodies_of(model, contacts[i]).second == bodies_of(model, contact).second)
-      return true;
-  return false;
+      found.push_back(&contacts[i]);
+  return found;
 }
 
 // the deepest vertex of one hex against one obstacle, if any is below -threshold
@@ -216,7 +226,7 @@ int add_obstacle_contacts(const ContactStep& step, const Points& positions, doub
   candidates.insert(candidates.end(), edges.begin(), edges.end());
   for (const ContactCandidate& candidate : candidates) {
     Contact contact = make_contact(*step.model, candidate.point, candidate.obstacle, candidate.hex);
-    if (in_set(*step.model, contacts, known, contact)) continue;
+    if (in_set(contacts, known, contact)) continue;
     place(step, positions, contact);
     contacts.push_back(contact);
   }
@@ -225,9 +235,17 @@ int add_obstacle_contacts(const ContactStep& step, const Points& positions, doub
 
 int add_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
                          std::vector<Contact>& contacts) {
+  const Model& model = *step.model;
   const std::size_t known = contacts.size();
-  for (const Contact& contact : surface_candidates(step, apart, positions, share))
-    if (!in_set(*step.model, contacts, known, contact)) contacts.push_back(contact);
+  for (Contact candidate : surface_candidates(step, apart, positions, share)) {
+    const std::vector<Contact*> planes = contacts_of(model, contacts, known, candidate);
+    if (!std::all_of(planes.begin(), planes.end(), [](const Contact* plane) { return keeps_plane(*plane); })) continue;
+    if (std::any_of(planes.begin(), planes.end(), [&](const Contact* plane) { return plane->gap <= candidate.gap; }))
+      continue;
+    if (planes.size() == most_planes) continue;
+    if (!planes.empty()) candidate.turns_back = planes.front()->turns_back;
+    contacts.push_back(candidate);
+  }
   return int(contacts.size() - known);
 }
 

@@ -17,8 +17,8 @@ namespace {
 constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
+constexpr double same_plane = 0.99;  // [-] cosine between normals
 constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
-constexpr int most_turns_back = 2;   // of a contact, after which it may keep its plane
 constexpr double kept_share = 0.5;   // [penetration tolerances] that it lets a vertex be inside
 
 // A vertex seen from the material of the hex that it is in.
@@ -272,11 +272,22 @@ bool undoes(const Vector3d& turn, const Vector3d& before) {
          turn.dot(before) < -0.5 * turn.norm() * before.norm();
 }
 
-// Does the plane that a contact has keep the vertex outside, and near, what is found for it anew?
-bool keeps_outside(const Model& model, const Contact& plane, const Contact& anew) {
-  const double tolerance = tolerance_depth(model, anew);
-  if (anew.gap > nearly_outside * tolerance) return false;
-  return anew.gap >= -kept_share * tolerance || plane.gap <= anew.gap;
+// The contact at its next place, or with its plane there.
+void move_on(const Model& model, const Points& positions, const Contact& next, Contact& contact) {
+  const bool kept_plane = keeps_plane(contact);
+  const Vector3d turn = contact.normal.isZero(0) ? Vector3d(0, 0, 0) : Vector3d(next.normal - contact.normal);
+  if (!kept_plane && undoes(turn, contact.turn)) ++contact.turns_back;
+  contact.turn = turn;
+  const bool is_away = next.gap > nearly_outside * tolerance_depth(model, next);
+  if (keeps_plane(contact) && !is_away) {
+    keep_at_vertex(model, positions, contact);
+    if (next.normal.dot(contact.normal) > same_plane) contact.gap = next.gap;
+    return;
+  }
+  const int turns_back = is_away ? 0 : contact.turns_back;
+  contact = next;
+  contact.turn = turn;
+  contact.turns_back = turns_back;
 }
 
 // hexes of a body that may hold a vertex of the hex, ascending
@@ -370,12 +381,7 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     follow(model, positions, contact);
     if (!found) continue;
     take(step, positions, held, measure(model, held), next);
-    if (!contact.normal.isZero(0)) next.turn = next.normal - contact.normal;
-    if (undoes(next.turn, contact.turn)) ++next.turns_back;
-    if (next.turns_back > most_turns_back && keeps_outside(model, contact, next))
-      keep_at_vertex(model, positions, contact);
-    else
-      contact = next;
+    move_on(model, positions, next, contact);
   }
 }
 

@@ -35,13 +35,18 @@ inline constexpr double nearly_outside = 10;
 std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart& apart, const Points& positions,
                                         double share);
 
+/// Does the contact keep its plane, since its normal has turned to and fro?
+inline bool keeps_plane(const Contact& contact) {
+  return contact.turns_back > 2;
+}
+
 /// Is a vertex of one body deeper in another than that?
 bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share);
 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
 /// the touched body's cage, or is in a hex turned inside out, keeps its place and normal. So does one whose normal turns
-/// to and fro between iterates, as between two faces at an edge, while its plane holds it where it should be: staying
-/// outside one face's plane is staying outside.
+/// to and fro between iterates, as between two faces at an edge, until it is well outside: staying outside one face's
+/// plane is staying outside of a ridge, and in a groove the other face's joins (add_surface_contacts()).
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 

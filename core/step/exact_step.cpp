@@ -83,6 +83,11 @@ void update_multipliers(const StepProblem& problem, const Linearisation& at, con
   }
 }
 
+bool bodies_touch(const Iterate& iterate) {
+  return std::any_of(iterate.contacts.begin(), iterate.contacts.end(),
+                     [](const Contact& contact) { return contact.between_bodies(); });
+}
+
 // the hybrid SQP; false if it does not reach the solution in its iterations
 bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, Workspace::Data& workspace,
                           Iterate& iterate, StepReport& report) {
@@ -90,17 +95,17 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
   const SolverOptions& solver = problem.options->solver;
   TakenStep last;
   bool been_near = false;
-  int whole_steps = 0;  // that were not cut where bodies come near each other
+  int cut_steps = 0;  // where bodies come near each other
   for (int iteration = 0;; ++iteration) {
     evaluate(problem, iterate.positions, iterate.evaluation);
-    const int added = find_contacts(problem, whole_steps >= normal_updates, iterate);
+    const int added = find_contacts(problem, iteration - cut_steps >= normal_updates, iterate);
     const Quality quality = assess(problem, iterate);
     iterate.residuals.push_back(quality.kkt);
     report_iteration(problem, iteration, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     been_near = been_near || quality.kkt <= near_solution * solver.tolerance;
     const int patience = been_near ? back_end.patience_near : back_end.patience;
-    if (iteration >= patience * solver.max_newton_iterations) return false;
+    if (iteration - cut_steps >= patience * solver.max_newton_iterations) return false;
 
     // linearise, and solve for the step with its contacts' forces
     ++report.sqp_iterations;
@@ -112,21 +117,15 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     iterate.last_move = largest_move(model, newton.step);
     const double felt = felt_share(problem, iterate, newton.step);
     const double share = std::min(felt, max_step_fraction(model, newton.step));
-    if (felt == 1) ++whole_steps;
+    if (felt < 1) ++cut_steps;
     update_multipliers(problem, at, newton.limit_change, share, iterate);
     const bool balanced = is_balanced(quality.kkt, solver.tolerance);
     double moved = step_factor(model, newton.step, share, balanced, iterate.residuals, last);
     if (moved > 1) moved *= felt_share(problem, iterate, moved * newton.step);
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);
-    if (back_end.corrects) last = taken_step(std::move(newton.step), moved);
+    if (back_end.corrects || bodies_touch(iterate)) last = taken_step(std::move(newton.step), moved);
   }
-}
-
-// The safety net has no steps against contacts that turn as bodies move around each other: two halves are cheaper.
-bool bodies_touch(const Iterate& iterate) {
-  return std::any_of(iterate.contacts.begin(), iterate.contacts.end(),
-                     [](const Contact& contact) { return contact.between_bodies(); });
 }
 
 // The SQP; where it fails the safety net; where even that ends beyond the limits, as it may from a crumpled start that
@@ -138,6 +137,7 @@ StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data
   const BackEnd& back_end = problem.plan.is_multigrid() ? multigrid : direct;
   back_end.prepare(problem, iterate, workspace);
   if (sequential_quadratic(problem, back_end, workspace, iterate, report)) return StepStatus::converged;
+  // The safety net has no steps against contacts that turn as bodies move around each other: two halves are cheaper.
   if (may_be_halved && (back_end.halves_first || bodies_touch(iterate))) return StepStatus::iteration_limit;
   iterate = predict(problem, state);
   approach(problem, iterate);
