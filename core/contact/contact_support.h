@@ -52,7 +52,9 @@ inline double mass_around(const Model& model, const Support& support) {
 inline double contact_mass(const Model& model, const Contact& contact) {
   const double mass = mass_around(model, contact.support);
   if (!contact.between_bodies()) return mass;
-  const double other = mass_around(model, contact.other);
+  Support place = contact.other;
+  place.weights = place.weights.cwiseMax(0);  // it may be a little outside its hex
+  const double other = mass_around(model, place);
   return mass * other / (mass + other);
 }
 

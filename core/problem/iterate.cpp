@@ -16,6 +16,7 @@ namespace {
 // energy there is would show as energy that rises from nowhere.
 constexpr double negligible_work = 1e-4;
 constexpr double hidden_work = 0.1;    // share of what the integrator loses in the step anyway
+constexpr double far_gap = 200;        // [penetration tolerances]
 constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
 
 // the body's rest shape, moved and turned to where its nodes are
@@ -59,6 +60,11 @@ double integrator_loss(const StepProblem& problem, const Points& positions) {
 double bearable_work(const StepProblem& problem, const Iterate& iterate) {
   return negligible_work * problem.options->solver.tolerance * energy_scale(problem, iterate) +
          hidden_work * integrator_loss(problem, iterate.positions);
+}
+
+// has a vertex that pushes no more gone far from the body that it touched?
+bool is_over(const Model& model, const Contact& contact) {
+  return contact.between_bodies() && contact.force.isZero(0) && contact.gap > far_gap * tolerance_depth(model, contact);
 }
 
 // which bodies nothing holds up: no clamp, no obstacle and no other body in the step before
@@ -132,6 +138,7 @@ double felt_share(const StepProblem& problem, const Iterate& iterate, const Vect
 }
 
 int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate) {
+  std::erase_if(iterate.contacts, [&](const Contact& contact) { return is_over(*problem.model, contact); });
   if (keeps_normals) {
     for (Contact& contact : iterate.contacts)
       if (!contact.between_bodies()) follow(*problem.model, iterate.positions, contact);
