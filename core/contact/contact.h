@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "core/contact/encounters.h"
+#include "core/contact/vertex_clusters.h"
 #include "core/model/model.h"
 
 namespace umax {
@@ -78,6 +79,7 @@ struct ContactGeometry {
   std::vector<int> hex_points;    // surface vertices by hex
   std::vector<EdgePoints> edges;  // per obstacle
   TouchableBodies touchable;
+  VertexClusters clusters;  // of vertices that may touch a body
 };
 ContactGeometry make_contact_geometry(const Model& model);
 

@@ -251,28 +251,27 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
   return true;
 }
 
-double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                        const Points& from, const Points& to) {
+VectorXd largest_approaches(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                            const Points& from, const Points& to) {
   const auto motion = [&](int hex) -> Vector3d {
     return (hex_nodes(model, to, hex) - hex_nodes(model, from, hex)).colwise().mean().transpose();
   };
-  VectorXd largest = VectorXd::Zero(model.num_hexes());
+  const auto count = Eigen::Index(model.bodies.size());
+  MatrixXd of_hexes = MatrixXd::Ones(count, model.num_hexes());  // towards each body
   for_each_fast_meeting(model, touchable, hex_starts, from, to, [&](int hex, int other) {
     const double felt = felt_between(model, model.hex_body[hex], model.hex_body[other]);
-    largest[hex] = std::max(largest[hex], (motion(other) - motion(hex)).norm() / felt);
+    double& largest = of_hexes(model.hex_body[other], hex);
+    largest = std::max(largest, (motion(other) - motion(hex)).norm() / felt);
   });
-  const double all = largest.size() ? largest.maxCoeff() : 0;
-  return all > 1 ? all : 0;
+  VectorXd of_bodies = of_hexes.rowwise().maxCoeff();
+  for (Eigen::Index hex = 0; hex < model.num_hexes(); ++hex)
+    of_bodies[model.hex_body[hex]] = std::max(of_bodies[model.hex_body[hex]], of_hexes.col(hex).maxCoeff());
+  return of_bodies;
 }
 
 int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                const Points& from, const Points& to) {
-  return std::max(1, int(std::ceil(largest_approach(model, touchable, hex_starts, from, to))));
-}
-
-double felt_share(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                  const Points& from, const Points& to) {
-  return 1 / std::max(1.0, largest_approach(model, touchable, hex_starts, from, to));
+  return int(std::ceil(largest_approaches(model, touchable, hex_starts, from, to).maxCoeff()));
 }
 
 std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,

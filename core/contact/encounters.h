@@ -45,18 +45,14 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
 /// size, so that none passes another unseen.
 inline constexpr double felt_motion = 0.5;
 
-/// How many times felt_motion hexes of different bodies that may touch move against each other on straight ways between
-/// two sets of positions, at most: of the centres of two hexes whose ways' boxes meet. 0 where none move farther than that.
-double largest_approach(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                        const Points& from, const Points& to);
+/// How many times felt_motion hexes of a body and others that may touch move against each other on straight ways between two
+/// sets of positions, at most: of the centres of two hexes whose ways' boxes meet. Per body; 1 where less.
+VectorXd largest_approaches(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                            const Points& from, const Points& to);
 
 /// Looks that the way takes: 1 where no two hexes come farther towards each other than felt_motion.
 int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                const Points& from, const Points& to);
-
-/// Share of the way on which no two hexes come farther towards each other than felt_motion.
-double felt_share(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                  const Points& from, const Points& to);
 
 /// Pairs of bodies, the smaller first, of which hexes may meet on their ways though they are apart at both ends of them.
 std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,

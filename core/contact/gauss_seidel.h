@@ -8,6 +8,8 @@
 // a >= 0  perp  b >= 0:  both hold and a b = 0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "core/base/types.h"
@@ -39,6 +41,27 @@ struct GaussSeidelResult {
 
 /// Improves z in place from its start value (warm start; 0 is always admissible).
 GaussSeidelResult gauss_seidel(const ComplementarityProblem& problem, const GaussSeidelOptions& options, VectorXd& z);
+
+/// How much contact forces change beside the largest ones, body by body: what is little for a heavy body is much for a light
+/// one that it touches.
+class ForceChanges {
+ public:
+  explicit ForceChanges(std::size_t num_bodies) : changes_(num_bodies, 0), sizes_(num_bodies, 0) {}
+  /// A contact's on one of its bodies; largest components [N].
+  void add(int body, double change, double size) {
+    changes_[std::size_t(body)] = std::max(changes_[std::size_t(body)], change);
+    sizes_[std::size_t(body)] = std::max(sizes_[std::size_t(body)], size);
+  }
+  /// Are they no more than this share of what the body bears, on each?
+  bool are_within(double share) const {
+    for (std::size_t b = 0; b < changes_.size(); ++b)
+      if (changes_[b] > share * sizes_[b]) return false;
+    return true;
+  }
+
+ private:
+  std::vector<double> changes_, sizes_;
+};
 
 /// A contact's own part of W, and by how much its force is changed for a motion.
 struct ContactBlock {

@@ -49,7 +49,7 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   bounds.rest_centre = rest.colwise().mean().transpose();
   const Matrix8x3d at_centre = shape_gradients(Vector3d::Zero());
   const Matrix3d A = nodes.transpose() * at_centre, H = rest.transpose() * at_centre;  // of local coordinates
-  bounds.rest_error = bounds.local_error = bounds.largest_inverse = infinity;
+  bounds.rest_error = bounds.local_error = bounds.largest_inverse = bounds.largest_stretch = infinity;
   if (model.bodies[model.hex_body[hex]].cells.rows() == 0 || !(std::abs(A.determinant()) > 0)) return bounds;
   const Matrix3d A_inverse = A.inverse();
   bounds.rest_from_world = H * A_inverse;
@@ -62,15 +62,17 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   }
   bounds.rest_error = bounds.rest_from_world.norm() * error;
   bounds.local_error = A_inverse.norm() * error;
+  bounds.largest_stretch = (A * H.inverse()).norm() * (1 + bend);
   if (bend < 1) bounds.largest_inverse = bounds.rest_from_world.norm() / (1 - bend);
   return bounds;
 }
 
-bool may_hold(const HexBounds& bounds, const Vector3d& point) {
-  if (!bounds.box.contains(point)) return false;
+bool may_hold(const HexBounds& bounds, const Vector3d& point, double radius) {
+  if (bounds.box.squaredExteriorDistance(point) > radius * radius) return false;
   if (!std::isfinite(bounds.local_error)) return true;
   const Vector3d local = bounds.local_from_world * (point - bounds.centre);
-  return local.cwiseAbs().maxCoeff() <= within_hex + bounds.local_error;
+  const double error = bounds.local_error + (radius > 0 ? bounds.local_from_world.norm() * radius : 0);
+  return local.cwiseAbs().maxCoeff() <= within_hex + error;
 }
 
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by) {

@@ -30,11 +30,12 @@ struct HexBounds {
   double rest_error = 0;                       // [m] of the material that the affine map gives; infinity: no bound
   double local_error = 0;                      // [-] of local coordinates, each
   double largest_inverse = 0;                  // [-] of F^-1 in the hex, in Frobenius' norm
+  double largest_stretch = 0;                  // [-] of F, the same
 };
 HexBounds bound_hex(const Model& model, const Points& positions, int hex);
 
-/// May the hex hold the point?
-bool may_hold(const HexBounds& bounds, const Vector3d& point);
+/// May the hex hold the point, or one within a radius of it [m]?
+bool may_hold(const HexBounds& bounds, const Vector3d& point, double radius = 0);
 
 /// May the hex hold a point of another hex with these nodes, if all nodes of both move by no more than `by` [m]?
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by);

@@ -1,6 +1,7 @@
 #include "core/contact/surface_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -9,125 +10,15 @@
 #include "core/base/parallel.h"
 #include "core/contact/contact_detection.h"
 #include "core/contact/contact_support.h"
+#include "core/contact/held_vertex.h"
 #include "core/contact/material_point.h"
 
 namespace umax {
 namespace {
 
-constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
-constexpr double anywhere = std::numeric_limits<double>::infinity();
-constexpr double rounding = 1 + 1e-9;
 constexpr double same_plane = 0.99;  // [-] cosine between normals
 constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
 constexpr double kept_share = 0.5;   // [penetration tolerances] that it lets a vertex be inside
-
-// A vertex seen from the material of the hex that it is in.
-struct HeldVertex {
-  Support vertex, other;
-  Matrix3d F_inverse;
-  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it was last outside
-  DistanceBounds bounds;  // [m] of the distance at X
-  double moved = 0;       // [m] from X0 to X
-};
-
-// What the vertex meets there.
-struct Touch {
-  double gap = 0;  // [m]
-  Vector3d normal = Vector3d::UnitY();
-};
-
-const Model::BodyRange& body_of(const Model& model, int hex) {
-  return model.bodies[model.hex_body[hex]];
-}
-
-double tolerance_between(const Model& model, int hex, int other_hex) {
-  return std::min(tolerance_depth(model, hex), tolerance_depth(model, other_hex));
-}
-
-SurfaceHit nearest_within(const RestSurface& surface, const Vector3d& point, const DistanceBounds& bounds) {
-  return nearest_point(surface, point, std::max(std::abs(bounds.low), std::abs(bounds.high)));
-}
-SurfaceHit nearest_within(const RestSurface& surface, const Vector3d& point) {
-  return nearest_within(surface, point, distance_bounds(surface, point));
-}
-
-// how the vertex is away from the other place at the positions, seen from the material there [m]
-Vector3d away_at(const Model& model, const Points& positions, const HeldVertex& held) {
-  return held.F_inverse *
-         (embedded_position(model, positions, held.vertex) - embedded_position(model, positions, held.other));
-}
-
-// The vertex as the hex sees it; false where the hex does not hold it.
-bool hold(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
-          const Vector3d& position, int other_hex, double reach, HeldVertex& held) {
-  MaterialPoint material;
-  if (!find_material(model, positions, other_hex, position, reach, material)) return false;
-  const Model::BodyRange& body = body_of(model, other_hex);
-  held.vertex = vertex;
-  held.other = {other_hex, material.weights};
-  held.F_inverse = material.F_inverse;
-  held.X = body.rest_pose.local(material.rest);
-  held.X0 = body.rest_pose.local(material.rest + away_at(model, apart, held));
-  held.bounds = distance_bounds(*body.rest_surface, held.X);
-  held.moved = (held.X - held.X0).norm();
-  return true;
-}
-
-// is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
-bool is_clear(const RestSurface& surface, const HeldVertex& held) {
-  if (!(held.bounds.low > 0)) return false;
-  return held.bounds.low > held.moved || held.bounds.low + distance_bounds(surface, held.X0).low > held.moved;
-}
-
-// what a vertex outside at X0 meets at X
-SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held) {
-  const SurfaceHit nearest = nearest_within(surface, held.X, held.bounds);
-  if (nearest.triangle < 0) return nearest;
-  const bool is_inside = nearest.distance < 0;
-  if (!is_inside && nearest.distance > held.moved) return nearest;
-  const int entered = first_entered(surface, held.X0, held.X);
-  if (!is_inside && entered < 0) return nearest;
-  const Vector3d side = entered < 0 ? nearest_within(surface, held.X0).normal
-                                    : Vector3d(surface.triangle_normals.row(entered).transpose());
-  const bool is_alike = surface.triangle_normals.row(nearest.triangle).dot(side.transpose()) >= same_side;
-  const double reach = is_alike ? std::abs(nearest.distance) : entered < 0 ? anywhere : held.moved;
-  const SurfaceHit alike = nearest_alike(surface, held.X, side, same_side, rounding * reach);
-  return alike.triangle >= 0 ? alike : nearest;
-}
-
-// a normal of the touched body's rest surface, carried into the world; its length: what distances are divided by
-Vector3d pushed_forward(const Model& model, const HeldVertex& held, const Vector3d& normal) {
-  return held.F_inverse.transpose() * (body_of(model, held.other.hex).rest_pose.rotation * normal);
-}
-
-// was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
-bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex& held) {
-  const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
-  const DistanceBounds bounds = distance_bounds(surface, held.X0);
-  return bounds.low < -slack && nearest_within(surface, held.X0, bounds).distance < -slack;
-}
-
-Touch measure(const Model& model, const HeldVertex& held) {
-  const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
-  const SurfaceHit hit = was_inside(model, surface, held) ? nearest_within(surface, held.X, held.bounds)
-                                                          : hit_from_outside(surface, held);  // the nearest way out
-  const Vector3d pushed = pushed_forward(model, held, hit.normal);
-  return {hit.distance / pushed.norm(), pushed.normalized()};
-}
-
-// the depth that the vertex may have at the end of the step, by how deep it was at its start
-AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
-  const Model& model = *step.model;
-  const int hex = held.vertex.hex, other = held.other.hex;
-  const Model::BodyRange& body = body_of(model, other);
-  const Vector3d X_start = held.X + body.rest_pose.rotation.transpose() * away_at(model, step.positions_t0, held);
-  const DistanceBounds bounds = distance_bounds(*body.rest_surface, X_start);
-  if (bounds.low > 0) return {};
-  const SurfaceHit start = nearest_within(*body.rest_surface, X_start, bounds);
-  const double depth = -start.distance / pushed_forward(model, held, start.normal).norm();
-  const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[other]]);
-  return allowed_depth(depth, tolerance_between(model, hex, other), recovery);
-}
 
 // the first of the hexes that holds the vertex
 bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
@@ -161,13 +52,18 @@ OtherHex see(const Model& model, const Points& apart, const Points& positions, i
   return seen;
 }
 
+// Bound of the distance [m] from the touched surface of points within a radius of this one, if the hex holds them.
+double least_distance(const Model::BodyRange& body, const OtherHex& other, const Vector3d& position, double radius) {
+  const HexBounds& bounds = other.bounds;
+  if (!std::isfinite(bounds.rest_error)) return -std::numeric_limits<double>::infinity();
+  const Vector3d rest = bounds.rest_centre + bounds.rest_from_world * (position - bounds.centre);
+  return distance_bounds(*body.rest_surface, body.rest_pose.local(rest)).low - bounds.rest_error -
+         (radius > 0 ? bounds.rest_from_world.norm() * radius : 0);
+}
+
 // can the vertex be inside the surface, or have come through it, if the hex holds it?
 bool may_touch_in(const Model::BodyRange& body, const OtherHex& other, const Vector3d& position) {
-  if (!may_hold(other.bounds, position)) return false;
-  const double error = other.bounds.rest_error + other.largest_move;
-  if (!std::isfinite(error)) return true;
-  const Vector3d rest = other.bounds.rest_centre + other.bounds.rest_from_world * (position - other.bounds.centre);
-  return distance_bounds(*body.rest_surface, body.rest_pose.local(rest)).low <= error;
+  return may_hold(other.bounds, position) && least_distance(body, other, position, 0) <= other.largest_move;
 }
 
 // What a search at some positions goes through.
@@ -176,43 +72,80 @@ struct Search {
   std::vector<HexBounds> bounds;  // #E
 };
 
-// A vertex of the encounter's hex that is in one of the other hexes, and inside the surface there, or may have come
-// through it.
-struct FoundVertex {
-  int point = 0;
-  HeldVertex held;
-};
-std::vector<FoundVertex> find_held(const ContactStep& step, const Points& apart, const Points& positions,
-                                   const Search& search, const Encounter& encounter) {
-  const Model& model = *step.model;
-  const ContactGeometry& geometry = *step.geometry;
-  const Model::BodyRange& body = model.bodies[encounter.body];
-  const Matrix8x3d nodes = hex_nodes(model, positions, encounter.hex);
+// A hex whose vertices may be in hexes of a body, at the positions.
+struct Meeting {
+  const Model& model;
+  const VertexClusters& clusters;
+  const Points &apart, &positions;
+  const Model::BodyRange& body;
+  int hex = 0;
+  Matrix8x3d nodes;
   std::vector<OtherHex> others;
+};
+Meeting meet(const ContactStep& step, const Points& apart, const Points& positions, const Search& search,
+             const Encounter& encounter) {
+  const Model& model = *step.model;
+  Meeting meeting{model,
+                  step.geometry->clusters,
+                  apart,
+                  positions,
+                  model.bodies[encounter.body],
+                  encounter.hex,
+                  hex_nodes(model, positions, encounter.hex),
+                  {}};
   for (const int other : encounter.others)
-    if (may_meet(search.bounds[other], nodes, 0))
-      others.push_back(see(model, apart, positions, encounter.hex, other, search.bounds[other]));
-  std::vector<FoundVertex> found;
-  if (others.empty()) return found;
-  for (int k = geometry.hex_starts[encounter.hex]; k < geometry.hex_starts[encounter.hex + 1]; ++k) {
-    const int point = geometry.hex_points[k];
-    const Support vertex{encounter.hex, model.surface.weights.row(point).transpose()};
-    const Vector3d position = nodes.transpose() * vertex.weights;
+    if (may_meet(search.bounds[other], meeting.nodes, 0))
+      meeting.others.push_back(see(model, apart, positions, encounter.hex, other, search.bounds[other]));
+  return meeting;
+}
+
+// A cluster of which vertices may touch the body, and the least gap [m] that one may have there.
+struct NearCluster {
+  int cluster = 0;
+  double least = 0;
+};
+
+// the clusters that may touch, those of the least gaps first
+std::vector<NearCluster> near_clusters(const Meeting& meeting) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<NearCluster> near;
+  if (meeting.others.empty()) return near;
+  for (int c = meeting.clusters.hex_starts[meeting.hex]; c < meeting.clusters.hex_starts[meeting.hex + 1]; ++c) {
+    const ClusterSphere sphere = sphere_around(meeting.clusters.all[c], meeting.nodes);
+    double least = infinity;
+    for (const OtherHex& other : meeting.others) {
+      if (!may_hold(other.bounds, sphere.centre, sphere.radius)) continue;
+      const double distance = least_distance(meeting.body, other, sphere.centre, sphere.radius);
+      if (distance > other.largest_move) continue;
+      const double deepest = std::max(-distance, other.largest_move);
+      least = std::min(least, std::isfinite(deepest) ? -deepest * other.bounds.largest_stretch : -infinity);
+    }
+    if (least < infinity) near.push_back({c, least});
+  }
+  std::sort(near.begin(), near.end(), [](const NearCluster& a, const NearCluster& b) {
+    return std::pair(a.least, a.cluster) < std::pair(b.least, b.cluster);
+  });
+  return near;
+}
+
+// Calls visit(vertex, held) for each vertex of the cluster that is in one of the other hexes, and inside the surface there,
+// or may have come through it.
+template <class Visit>
+void visit_held(const Meeting& meeting, const NearCluster& near, const Visit& visit) {
+  const VertexCluster& cluster = meeting.clusters.all[near.cluster];
+  for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
+    const int point = meeting.clusters.points[k];
+    const Support vertex{meeting.hex, meeting.model.surface.weights.row(point).transpose()};
+    const Vector3d position = meeting.nodes.transpose() * vertex.weights;
     HeldVertex held;
-    for (const OtherHex& other : others)
-      if (may_touch_in(body, other, position) &&
-          hold(model, apart, positions, vertex, position, other.hex, within_hex, held) &&
-          !is_clear(*body.rest_surface, held)) {
-        found.push_back({point, held});
+    for (const OtherHex& other : meeting.others)
+      if (may_touch_in(meeting.body, other, position) &&
+          hold(meeting.model, meeting.apart, meeting.positions, vertex, position, other.hex, within_hex, held) &&
+          !is_clear(*meeting.body.rest_surface, held)) {
+        visit(point, held);
         break;
       }
   }
-  return found;
-}
-
-// No gap of the vertex is below this [m]: what it came through is no farther than where it came from.
-double least_gap(const HeldVertex& held) {
-  return -std::max(-held.bounds.low, held.moved) * held.F_inverse.inverse().norm();
 }
 
 void take(const ContactStep& step, const Points& positions, const HeldVertex& held, const Touch& touch,
@@ -224,8 +157,8 @@ void take(const ContactStep& step, const Points& positions, const HeldVertex& he
   contact.position = contact_position(*step.model, positions, contact);
 }
 
-// The deepest of the vertices, of those with gaps below `below`, by the rule deepest first as their bounds promise: the
-// others need no closer look where these say that they are not as deep. deep(held): [m] that is allowed anyway.
+// The deepest vertex of those with gaps below `below`; clusters and vertices of which bounds say that they are not as
+// deep get no closer look. deep(held): [m] that is allowed anyway.
 struct DeepestVertex {
   int point = -1;
   double gap = 0;  // [m] beyond what is allowed
@@ -233,22 +166,21 @@ struct DeepestVertex {
   Touch touch;
 };
 template <class Deep>
-DeepestVertex find_deepest(const Model& model, std::vector<FoundVertex> found, double below, const Deep& deep) {
+DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& deep) {
   DeepestVertex deepest;
   deepest.gap = below;
-  if (found.empty()) return deepest;
-  const double tie = tied_depth(model, found.front().held.vertex.hex);
-  std::sort(found.begin(), found.end(), [](const FoundVertex& a, const FoundVertex& b) {
-    return std::pair(a.held.bounds.low, a.point) < std::pair(b.held.bounds.low, b.point);
-  });
-  for (const FoundVertex& vertex : found) {
-    const double most = deepest.gap + tie;
-    if (least_gap(vertex.held) > most) continue;
-    const Touch touch = measure(model, vertex.held);
-    if (touch.gap > most) continue;
-    const double gap = touch.gap + deep(vertex.held);
-    const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
-    if (is_tied ? vertex.point < deepest.point : gap < deepest.gap) deepest = {vertex.point, gap, vertex.held, touch};
+  const double tie = tied_depth(meeting.model, meeting.hex);
+  for (const NearCluster& near : near_clusters(meeting)) {
+    if (near.least > deepest.gap + tie) break;
+    visit_held(meeting, near, [&](int point, const HeldVertex& held) {
+      const double most = deepest.gap + tie;
+      if (least_gap(held) > most) return;
+      const Touch touch = measure(meeting.model, held);
+      if (touch.gap > most) return;
+      const double gap = touch.gap + deep(held);
+      const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
+      if (is_tied ? point < deepest.point : gap < deepest.gap) deepest = {point, gap, held, touch};
+    });
   }
   return deepest;
 }
@@ -259,7 +191,7 @@ std::optional<Contact> deepest_vertex(const ContactStep& step, const LastApart& 
   const Model& model = *step.model;
   const double tolerance = tolerance_between(model, encounter.hex, encounter.others.front());
   const DeepestVertex deepest =
-      find_deepest(model, find_held(step, apart.of(encounter.hex, encounter.body), positions, search, encounter),
+      find_deepest(meet(step, apart.of(encounter.hex, encounter.body), positions, search, encounter),
                    -share * tolerance, [&](const HeldVertex& held) { return allowance(step, held).deep; });
   if (deepest.point < 0) return {};
   Contact contact = make_surface_contact(model, deepest.point, encounter.hex, deepest.held.other.hex);
@@ -402,12 +334,14 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
   for_each_encounter(search.encounters, [&](Eigen::Index i, const Encounter& encounter) {
     Overlap& overlap = of_encounters[std::size_t(i)];
     overlap = {model.hex_body[encounter.hex], encounter.body};
-    for (const FoundVertex& vertex : find_held(step, positions, positions, search, encounter)) {
-      const double gap = measure(model, vertex.held).gap;
-      if (gap >= 0) continue;
-      ++overlap.vertices;
-      overlap.depth = std::max(overlap.depth, -gap);
-    }
+    const Meeting meeting = meet(step, positions, positions, search, encounter);
+    for (const NearCluster& near : near_clusters(meeting))
+      visit_held(meeting, near, [&](int, const HeldVertex& held) {
+        const double gap = measure(model, held).gap;
+        if (gap >= 0) return;
+        ++overlap.vertices;
+        overlap.depth = std::max(overlap.depth, -gap);
+      });
   });
   std::map<std::pair<int, int>, Overlap> sums;
   for (const Overlap& overlap : of_encounters) {
@@ -427,8 +361,8 @@ double max_surface_penetration(const Model& model, const ContactGeometry& geomet
   const Search search = search_at(step, positions);
   VectorXd depths = VectorXd::Zero(Eigen::Index(search.encounters.size()));
   for_each_encounter(search.encounters, [&](Eigen::Index i, const Encounter& encounter) {
-    const DeepestVertex deepest = find_deepest(model, find_held(step, positions, positions, search, encounter), 0,
-                                               [](const HeldVertex&) { return 0.0; });
+    const DeepestVertex deepest =
+        find_deepest(meet(step, positions, positions, search, encounter), 0, [](const HeldVertex&) { return 0.0; });
     depths[i] = -deepest.gap;
   });
   return depths.size() ? depths.maxCoeff() : 0;

@@ -27,9 +27,6 @@
 
 namespace umax {
 
-/// [penetration tolerances] of a vertex that counts as outside what it touches.
-inline constexpr double nearly_outside = 10;
-
 /// Contacts at the positions: for each hex and each body that its vertices may touch, the vertex with the least gap
 /// below -share * tolerance_depth. In the order of hexes and touched bodies.
 std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart& apart, const Points& positions,

@@ -7,7 +7,7 @@
 #include "core/element/limit_law.h"
 #include "core/element/rotation.h"
 #include "core/model/hex_limits.h"
-#include "core/problem/step_length.h"
+#include "core/problem/body_shares.h"
 
 namespace umax {
 namespace {
@@ -16,7 +16,8 @@ namespace {
 // energy there is would show as energy that rises from nowhere.
 constexpr double negligible_work = 1e-4;
 constexpr double hidden_work = 0.1;    // share of what the integrator loses in the step anyway
-constexpr double far_gap = 200;        // [penetration tolerances]
+constexpr double far_gap = 50;         // [penetration tolerances]
+constexpr double resting_move = 2e-4;  // [cells] in a step
 constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
 
 // the body's rest shape, moved and turned to where its nodes are
@@ -81,18 +82,34 @@ std::vector<char> falling_bodies(const Model& model, const State& state) {
   return falls;
 }
 
+// Which bodies touch others and hardly move: their steps start from where they are. Else a pile would creep on for ever, by
+// less than what a step's tolerance can tell.
+std::vector<char> resting_bodies(const StepProblem& problem, const State& state) {
+  const Model& model = *problem.model;
+  std::vector<char> rests(model.bodies.size(), 0);
+  for (const State::ContactImpulse& contact : state.contacts)
+    if (contact.other_hex >= 0 && model.hex_body[contact.hex] != model.hex_body[contact.other_hex])
+      for (const int hex : {contact.hex, contact.other_hex}) rests[std::size_t(model.hex_body[hex])] = 1;
+  for (std::size_t b = 0; b < rests.size(); ++b) {
+    const auto velocities = problem.velocities_t0.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes);
+    const double farthest = problem.h * velocities.rowwise().norm().maxCoeff();  // [m]
+    if (farthest > resting_move * model.bodies[b].cell_size) rests[b] = 0;
+  }
+  return rests;
+}
+
 }  // namespace
 
 Iterate predict(const StepProblem& problem, const State& state) {
   const Model& model = *problem.model;
   const double h = problem.h;
   const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
-  const std::vector<char> falls = falling_bodies(model, state);
+  const std::vector<char> falls = falling_bodies(model, state), rests = resting_bodies(problem, state);
   Iterate iterate;
   iterate.positions = problem.positions_t0;
   iterate.apart = iterate.positions;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    for (int i = 0; i < model.bodies[b].num_nodes; ++i) {
+    for (int i = 0; i < model.bodies[b].num_nodes && !rests[b]; ++i) {
       const int node = model.bodies[b].first_node + i;
       if (model.node_fixed[node]) continue;
       const Eigen::RowVector3d velocity = problem.velocities_t0.row(node);
@@ -117,26 +134,6 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
   return iterate;
 }
 
-void approach(const StepProblem& problem, Iterate& iterate) {
-  const ContactGeometry& geometry = *problem.contact.geometry;
-  const Points way = iterate.positions - problem.positions_t0;
-  const int parts =
-      felt_parts(*problem.model, geometry.touchable, geometry.hex_starts, problem.positions_t0, iterate.positions);
-  if (parts == 1) return;
-  for (int part = 1; part <= parts; ++part) {
-    iterate.positions = problem.positions_t0 + double(part) / parts * way;
-    if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share)) break;
-    iterate.apart = iterate.positions;
-  }
-  update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
-}
-
-double felt_share(const StepProblem& problem, const Iterate& iterate, const VectorXd& step) {
-  const ContactGeometry& geometry = *problem.contact.geometry;
-  return felt_share(*problem.model, geometry.touchable, geometry.hex_starts, iterate.positions,
-                    iterate.positions + unflatten(step));
-}
-
 int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate) {
   std::erase_if(iterate.contacts, [&](const Contact& contact) { return is_over(*problem.model, contact); });
   if (keeps_normals) {
@@ -153,13 +150,14 @@ int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& itera
   return added;
 }
 
-int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate) {
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, bool with_bodies, Iterate& iterate) {
   const auto before = std::ptrdiff_t(iterate.contacts.size());
   int count = add_obstacle_contacts(problem.contact, iterate.positions + unflatten(step), problem.joining_share,
                                     iterate.contacts);
-  if (problem.contact.geometry->touchable.any()) {
-    const double share = std::min(max_step_fraction(*problem.model, step), felt_share(problem, iterate, step));
-    count += add_surface_contacts(problem.contact, iterate.apart, iterate.positions + share * unflatten(step),
+  if (with_bodies && problem.contact.geometry->touchable.any()) {
+    VectorXd taken = step;
+    scale_bodies(*problem.model, body_shares(problem, iterate, step), taken);
+    count += add_surface_contacts(problem.contact, iterate.apart, iterate.positions + unflatten(taken),
                                   problem.joining_share, iterate.contacts);
   }
   std::vector<Contact> added(iterate.contacts.begin() + before, iterate.contacts.end());

@@ -44,19 +44,13 @@ Iterate predict(const StepProblem& problem, const State& state);
 /// Every body undeformed where the predictor has it: its centre of mass and best-fitting rotation; no multipliers.
 Iterate predict_undeformed(const StepProblem& problem, const State& state);
 
-/// Moves the iterate from the step's start towards where it is, to where bodies first meet: those that move far against
-/// each other could be through each other at once.
-void approach(const StepProblem& problem, Iterate& iterate);
-
-/// Share of a step from the iterate on which no bodies move past each other unseen, at most 1.
-double felt_share(const StepProblem& problem, const Iterate& iterate, const VectorXd& step);
-
 /// Brings contacts to the iterate's positions and adds those that are missing; their number. keeps_normals: those of
 /// obstacles, for iterations that would otherwise flip for ever between two faces at an edge.
 int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& iterate);
 
-/// Vertices that a step would push in too deep join the contacts, as they are at the iterate. Returns their number.
-int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, Iterate& iterate);
+/// Vertices that a step would push in too deep join the contacts, as they are at the iterate: into obstacles, and into bodies
+/// as far as the step will go. Returns their number.
+int add_linearised_contacts(const StepProblem& problem, const VectorXd& step, bool with_bodies, Iterate& iterate);
 
 /// lambda/U_max, or the barrier's slope: #L factors [-] on G in the gradient of the Lagrangian.
 VectorXd limit_factors(const StepProblem& problem, const Iterate& iterate);

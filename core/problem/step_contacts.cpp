@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/contact/held_vertex.h"
 #include "core/contact/surface_contact.h"
 
 namespace umax {

@@ -74,13 +74,24 @@ double largest_move(const Model& model, const VectorXd& step) {
   return largest;
 }
 
+VectorXd step_fractions(const Model& model, const VectorXd& step) {
+  VectorXd fractions(Eigen::Index(model.bodies.size()));
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Model::BodyRange& body = model.bodies[b];
+    VectorXd largest = VectorXd::Zero((body.num_hexes + hexes_per_block - 1) / hexes_per_block);  // squared [cells]
+    parallel_blocks(body.num_hexes, hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+      double& most = largest[begin / hexes_per_block];
+      for (Eigen::Index e = begin; e < end; ++e)
+        most = std::max(most, squared_distortion(model, step, body.first_hex + e));
+    });
+    fractions[Eigen::Index(b)] =
+        largest.size() ? std::min(1.0, bearable_distortion / std::sqrt(largest.maxCoeff())) : 1;
+  }
+  return fractions;
+}
+
 double max_step_fraction(const Model& model, const VectorXd& step) {
-  VectorXd largest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);  // squared [cells]
-  parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    double& most = largest[begin / hexes_per_block];
-    for (Eigen::Index e = begin; e < end; ++e) most = std::max(most, squared_distortion(model, step, e));
-  });
-  return std::min(1.0, bearable_distortion / std::sqrt(largest.maxCoeff()));
+  return step_fractions(model, step).minCoeff();
 }
 
 void limit_distortion(const Model& model, VectorXd& step) {

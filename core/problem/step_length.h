@@ -10,6 +10,9 @@ namespace umax {
 /// Largest node displacement [cells of its body] of a step of 3 #N [m].
 double largest_move(const Model& model, const VectorXd& step);
 
+/// max_step_fraction() of each body: #B.
+VectorXd step_fractions(const Model& model, const VectorXd& step);
+
 /// Share of a step of 3 #N [m] that moves no node of a hex by more than a fifth of a cell relative to the hex. However
 /// far bodies move as a whole.
 double max_step_fraction(const Model& model, const VectorXd& step);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/problem/body_shares.h"
 #include "core/problem/step_length.h"
 #include "core/step/newton_system.h"
 

@@ -224,6 +224,12 @@ BpxContactCompliance make_bpx_contact_compliance(const Model& model, const Multi
   return compliance;
 }
 
+void add_changes(const BpxContactCompliance& compliance, int contact, const Vector3d& change, const Vector3d& force,
+                 ForceChanges& changes) {
+  for (int p = compliance.first_point[contact]; p < compliance.first_point[contact + 1]; ++p)
+    changes.add(compliance.points[p].body, change.cwiseAbs().maxCoeff(), force.cwiseAbs().maxCoeff());
+}
+
 VectorXd apply(const BpxContactCompliance& compliance, const VectorXd& forces) {
   VectorXd motions = apply_unmeasured(compliance, forces);
   if (compliance.factors.cols() > 0)
@@ -284,10 +290,10 @@ int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<Conta
   VectorXd shares = VectorXd::Zero(factors.cols());  // middle factors^T f
   if (measured) shares = middle * (factors.transpose() * forces);
   int sweeps = 0;
-  double change = 1, size = 0;
-  while (sweeps < options.max_sweeps && change > options.tolerance * size) {
+  bool settled = false;
+  while (sweeps < options.max_sweeps && !settled) {
     ++sweeps;
-    change = size = 0;
+    ForceChanges changes(compliance.last_rows.size());
     for (int i = 0; i < count; ++i) {
       const Vector3d old = forces.segment<3>(3 * i);
       Vector3d w = q.segment<3>(3 * i) + motion_of(compliance, i, motion);
@@ -298,9 +304,9 @@ int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<Conta
         if (measured) shares += middle * (factors.middleRows<3>(3 * i).transpose() * (next - old));
       }
       forces.segment<3>(3 * i) = next;
-      change = std::max(change, (next - old).cwiseAbs().maxCoeff());
-      size = std::max(size, next.cwiseAbs().maxCoeff());
+      add_changes(compliance, i, next - old, next, changes);
     }
+    settled = changes.are_within(options.tolerance);
   }
   return sweeps;
 }

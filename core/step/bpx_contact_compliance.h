@@ -52,6 +52,10 @@ VectorXd apply(const BpxContactCompliance& compliance, const VectorXd& forces);
 /// Makes W f the response.
 void learn(const VectorXd& forces, const VectorXd& response, BpxContactCompliance& compliance);
 
+/// Adds a contact's change of force to its bodies'.
+void add_changes(const BpxContactCompliance& compliance, int contact, const Vector3d& change, const Vector3d& force,
+                 ForceChanges& changes);
+
 /// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.
 int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
                  const GaussSeidelOptions& options, VectorXd& forces);

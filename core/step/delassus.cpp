@@ -142,7 +142,7 @@ GaussSeidelResult gauss_seidel(const Delassus& delassus, const std::vector<Conta
   GaussSeidelResult result;
   while (!result.converged && result.sweeps < options.max_sweeps) {
     ++result.sweeps;
-    double largest_change = 0, largest = 0;
+    ForceChanges changes(delassus.bodies.size());
     for (int i = 0; i < count; ++i) {
       const int begin = delassus.first_side[i], end = delassus.first_side[i + 1];
       Vector3d w = Vector3d::Zero();
@@ -158,10 +158,11 @@ GaussSeidelResult gauss_seidel(const Delassus& delassus, const std::vector<Conta
               delassus.bodies[side.body].W.middleCols<3>(3 * side.point) * Vector3d(side.sign * change);
         }
       }
-      largest_change = std::max(largest_change, change.cwiseAbs().maxCoeff());
-      largest = std::max(largest, forces.segment<3>(3 * i).cwiseAbs().maxCoeff());
+      for (int s = begin; s < end; ++s)
+        changes.add(delassus.sides[s].body, change.cwiseAbs().maxCoeff(),
+                    forces.segment<3>(3 * i).cwiseAbs().maxCoeff());
     }
-    result.converged = largest_change <= options.tolerance * largest;
+    result.converged = changes.are_within(options.tolerance);
   }
   return result;
 }

@@ -8,7 +8,10 @@
 namespace umax {
 namespace {
 
-constexpr int max_contact_rounds = 10;        // detections per factorisation
+constexpr int max_contact_rounds = 10;  // detections per factorisation
+constexpr int max_surface_rounds =
+    1;  // of these, that look at bodies' surfaces too: dear, and the next iteration looks again
+constexpr double rough_move = 0.05;           // [cells] in the last iteration
 constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
 constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
@@ -20,6 +23,13 @@ ContactRows free_rows(const StepProblem& problem, const Iterate& iterate, const 
   for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
     contacts.motions.segment<3>(3 * Eigen::Index(i)) += contact_motion(*problem.model, iterate.contacts[i], free_step);
   return contacts;
+}
+
+// While bodies still move, their normals turn before forces that were found to many digits are of any use.
+int most_sweeps(const StepProblem& problem, const Iterate& iterate) {
+  const int all = problem.options->solver.max_sweeps;
+  const bool rough = iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
+  return rough ? all / 10 : all;
 }
 
 // dx = -A^-1 grad + A^-1 J^T f; vertices that dx would push in too deep join the working set against the same factor
@@ -38,10 +48,11 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
         force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
       const auto [rows, motions] = free_rows(problem, iterate, free_step);
-      report.linear_iterations +=
-          gauss_seidel(delassus, rows, motions,
-                       {.max_sweeps = solver.max_sweeps, .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)}, force)
-              .sweeps;
+      report.linear_iterations += gauss_seidel(delassus, rows, motions,
+                                               {.max_sweeps = most_sweeps(problem, iterate),
+                                                .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)},
+                                               force)
+                                      .sweeps;
       VectorXd push = VectorXd::Zero(step.size());
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
         iterate.contacts[i].force = force.segment<3>(3 * Eigen::Index(i));
@@ -51,7 +62,7 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
       solve(model, workspace, push);
       step = free_step + push;
     }
-    if (add_linearised_contacts(problem, step, iterate) == 0) break;
+    if (add_linearised_contacts(problem, step, round < max_surface_rounds, iterate) == 0) break;
   }
   return step;
 }

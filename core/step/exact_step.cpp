@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/model/hex_limits.h"
+#include "core/problem/body_shares.h"
 #include "core/problem/step_length.h"
 #include "core/step/augmented_lagrangian.h"
 #include "core/step/contact_counts.h"
@@ -72,13 +73,14 @@ std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const
   return terms;
 }
 
-void update_multipliers(const StepProblem& problem, const Linearisation& at, const VectorXd& change, double share,
-                        Iterate& iterate) {
+void update_multipliers(const StepProblem& problem, const Linearisation& at, const VectorXd& change,
+                        const VectorXd& shares, Iterate& iterate) {
   for (Eigen::Index l = 0; l < problem.materials.limits.size(); ++l) {
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const bool held = at.limits[l].rank_one > 0;
     const double next = problem.materials.limits[l] * (at.limits[l].force + at.limits[l].rank_one * change[l]);
     iterate.released[l] = held && next < 0;
+    const double share = shares[problem.model->hex_body[problem.model->limits[l].hex]];
     iterate.multipliers[l] += share * ((held ? std::max(0.0, next) : 0) - iterate.multipliers[l]);
   }
 }
@@ -115,16 +117,18 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 
     // go along it as far as what is linear holds
     iterate.last_move = largest_move(model, newton.step);
-    const double felt = felt_share(problem, iterate, newton.step);
-    const double share = std::min(felt, max_step_fraction(model, newton.step));
-    if (felt < 1) ++cut_steps;
-    update_multipliers(problem, at, newton.limit_change, share, iterate);
+    const VectorXd shares = body_shares(problem, iterate, newton.step);
+    update_multipliers(problem, at, newton.limit_change, shares, iterate);
+    const bool is_cut = shares.minCoeff() < shares.maxCoeff();
+    if (is_cut) scale_bodies(model, shares, newton.step);
     const bool balanced = is_balanced(quality.kkt, solver.tolerance);
-    double moved = step_factor(model, newton.step, share, balanced, iterate.residuals, last);
+    double moved = is_cut ? 1 : step_factor(model, newton.step, shares[0], balanced, iterate.residuals, last);
     if (moved > 1) moved *= felt_share(problem, iterate, moved * newton.step);
+    if (is_cut || (moved < 1 && bodies_touch(iterate))) ++cut_steps;
     iterate.positions += moved * unflatten(newton.step);
     iterate.last_move *= std::max(1.0, moved);
-    if (back_end.corrects || bodies_touch(iterate)) last = taken_step(std::move(newton.step), moved);
+    if (back_end.corrects || bodies_touch(iterate))
+      last = is_cut ? TakenStep{} : taken_step(std::move(newton.step), moved);
   }
 }
 

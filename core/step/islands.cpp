@@ -1,9 +1,9 @@
 #include "core/step/islands.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
+#include "core/base/groups.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
 
@@ -11,30 +11,6 @@ namespace umax {
 namespace {
 
 constexpr double margin = 0.15;  // [cells] that hexes may be apart
-
-// groups that grow together
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
-  int of(int i) const {
-    while (parents_[i] != i) i = parents_[i];
-    return i;
-  }
-  void join(int a, int b) {
-    const int first = of(a), second = of(b);
-    parents_[std::max(first, second)] = std::min(first, second);
-  }
-  std::vector<std::vector<int>> all() const {
-    std::vector<std::vector<int>> of_first(parents_.size()), groups;
-    for (int i = 0; i < int(parents_.size()); ++i) of_first[of(i)].push_back(i);
-    for (std::vector<int>& group : of_first)
-      if (!group.empty()) groups.push_back(std::move(group));
-    return groups;
-  }
-
- private:
-  std::vector<int> parents_;
-};
 
 // Calls visit(body, first row there, first row in the island, rows) for what `range` says of each body.
 struct Rows {

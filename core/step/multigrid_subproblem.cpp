@@ -100,8 +100,11 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
     gauss_seidel(compliance, rows, w - apply(compliance, forces),
                  {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
     const VectorXd change = forces - solution.forces;
-    const double missing = change.cwiseAbs().maxCoeff(), bearable = accuracy.settled * forces.cwiseAbs().maxCoeff();
-    const bool balanced = missing <= bearable, settled = balanced && is_clear(problem, iterate, rows, w, allowed);
+    ForceChanges changes(model.bodies.size());
+    for (int c = 0; c < int(iterate.contacts.size()); ++c)
+      add_changes(compliance, c, change.segment<3>(3 * c), forces.segment<3>(3 * c), changes);
+    const bool balanced = changes.are_within(accuracy.settled),
+               settled = balanced && is_clear(problem, iterate, rows, w, allowed);
     if (settled && solved) return;
     if (!settled) {
       solution.forces = forces;
@@ -145,7 +148,7 @@ NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& a
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].force = solution.forces.segment<3>(3 * Eigen::Index(i));
     newton = multigrid_step(model, at, system);
-    if (add_linearised_contacts(problem, newton.step, iterate) == 0) break;
+    if (add_linearised_contacts(problem, newton.step, true, iterate) == 0) break;
     solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
   }
   return newton;

@@ -1,0 +1,55 @@
+// A surface vertex seen from the material of a body's hex that holds it, and what it meets there: gap, normal, and on which
+// side of thin walls it belongs (core/contact/surface_contact.h).
+#pragma once
+
+#include <algorithm>
+
+#include "core/contact/contact.h"
+
+namespace umax {
+
+/// A vertex seen from the material of the hex that it is in.
+struct HeldVertex {
+  Support vertex, other;
+  Matrix3d F_inverse;
+  Vector3d X, X0;         // [m] in the frame of the rest surface; X0: where it was last outside
+  DistanceBounds bounds;  // [m] of the distance at X
+  double moved = 0;       // [m] from X0 to X
+};
+
+/// What the vertex meets there.
+struct Touch {
+  double gap = 0;  // [m]
+  Vector3d normal = Vector3d::UnitY();
+};
+
+/// [penetration tolerances] of a vertex that counts as outside what it touches.
+inline constexpr double nearly_outside = 10;
+
+/// The body that a hex belongs to.
+inline const Model::BodyRange& body_of(const Model& model, int hex) {
+  return model.bodies[model.hex_body[hex]];
+}
+
+/// The smaller tolerance_depth() [m] of two hexes.
+inline double tolerance_between(const Model& model, int hex, int other_hex) {
+  return std::min(tolerance_depth(model, hex), tolerance_depth(model, other_hex));
+}
+
+/// The vertex as the hex sees it; false where the hex does not hold it. apart: #N x 3 [m] where it was last outside. reach: as
+/// in find_material().
+bool hold(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
+          const Vector3d& position, int other_hex, double reach, HeldVertex& held);
+
+/// Is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
+bool is_clear(const RestSurface& surface, const HeldVertex& held);
+
+/// No gap that measure() finds is below this [m]: what the vertex came through is no farther than where it came from.
+double least_gap(const HeldVertex& held);
+
+Touch measure(const Model& model, const HeldVertex& held);
+
+/// The depth that the vertex may have at the end of the step, by how deep it was at its start.
+AllowedDepth allowance(const ContactStep& step, const HeldVertex& held);
+
+}  // namespace umax

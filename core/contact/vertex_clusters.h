@@ -1,0 +1,33 @@
+// Surface vertices of a hex in small groups, so that what is true of a group need not be asked of each.
+#pragma once
+
+#include <vector>
+
+#include "core/model/model.h"
+
+namespace umax {
+
+struct VertexCluster {
+  int first = 0, count = 0;                       // into VertexClusters::points
+  Vector3d centre{0, 0, 0}, half_sizes{0, 0, 0};  // [-] local coordinates of its box in the hex
+};
+
+/// Constant during a run.
+struct VertexClusters {
+  std::vector<int> hex_starts;     // #E + 1 into all
+  std::vector<VertexCluster> all;  // by hex
+  std::vector<int> points;         // surface vertices, by cluster
+};
+
+/// hex_starts, hex_points: the surface vertices by hex, as in ContactGeometry. wanted: #B bodies; others get none.
+VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_starts,
+                                const std::vector<int>& hex_points, const std::vector<bool>& wanted);
+
+/// A sphere that the cluster's vertices are in, where its hex has these nodes.
+struct ClusterSphere {
+  Vector3d centre{0, 0, 0};  // [m]
+  double radius = 0;         // [m]
+};
+ClusterSphere sphere_around(const VertexCluster& cluster, const Matrix8x3d& nodes);
+
+}  // namespace umax
