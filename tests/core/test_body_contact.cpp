@@ -8,46 +8,12 @@
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
 #include "embedding/surface/shapes.h"
-#include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
+#include "tests/support/touchable.h"
 
 using namespace umax;
-
-namespace {
-
-std::shared_ptr<const RestSurface> surface_of(TriangleMesh mesh, const Vector3d& centre) {
-  mesh.positions.rowwise() += centre.transpose();
-  return std::make_shared<const RestSurface>(make_rest_surface(mesh.positions, mesh.triangles));
-}
-
-// a block of cubes that others may hit
-Body touchable_block(const std::string& name, const Vector3i& num_cells, const Vector3d& origin, double cell_size,
-                     int points_per_edge = 4) {
-  Body body = test::make_block(num_cells, origin, cell_size, points_per_edge);
-  body.name = name;
-  const Vector3d size = cell_size * num_cells.cast<double>();
-  body.rest_surface = surface_of(make_box(size), origin + 0.5 * size);
-  return body;
-}
-
-StepOptions without_gravity() {
-  StepOptions options;
-  options.gravity.setZero();
-  return options;
-}
-
-double lowest_of(const Model& model, const State& state, int body) {
-  const Model::BodyRange& range = model.bodies[body];
-  return state.positions.middleRows(range.first_node, range.num_nodes).col(1).minCoeff();
-}
-
-double highest_of(const Model& model, const State& state, int body) {
-  const Model::BodyRange& range = model.bodies[body];
-  return state.positions.middleRows(range.first_node, range.num_nodes).col(1).maxCoeff();
-}
-
-}  // namespace
+using namespace umax::test;
 
 TEST_CASE("two free blocks that collide keep their momentum and do not pass through each other") {
   const LinearSolver linear = GENERATE(LinearSolver::direct, LinearSolver::multigrid);
