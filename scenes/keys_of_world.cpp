@@ -5,15 +5,16 @@ namespace umax {
 namespace {
 
 void set_shape(const SceneValue& value, ObstacleDescription& obstacle) {
-  const std::string shape = WordKind{{"plane", "sphere", "box", "mesh"}}.read(value);
+  const std::string shape = WordKind{{"plane", "sphere", "box", "bowl", "mesh"}}.read(value);
   if (shape == "plane") obstacle.shape = HalfSpace();
   if (shape == "sphere") obstacle.shape = Ball();
   if (shape == "box") obstacle.shape = Block();
+  if (shape == "bowl") obstacle.shape = BowlShape();
   if (shape == "mesh") obstacle.shape = MeshSource();
 }
 
 std::optional<std::string> get_shape(const ObstacleDescription& obstacle) {
-  constexpr const char* names[] = {"plane", "sphere", "box", "mesh"};
+  constexpr const char* names[] = {"plane", "sphere", "box", "bowl", "mesh"};
   return toml_string(names[obstacle.shape.index()]);
 }
 
@@ -36,21 +37,29 @@ void add_shape_keys(Keys& keys) {
     if (!std::holds_alternative<MeshSource>(obstacle.shape))
       throw value_error(value, "does not fit here", "it belongs to " + of_mesh);
   };
-  keys.add_custom("shape", R"("plane", "sphere", "box", "mesh")", "what it is; a plane is solid below its y = 0",
-                  {.unset = "required",
-                   .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius"},
-                   .defines = true,
-                   .required = true},
-                  set_shape, get_shape);
+  keys.add_custom(
+      "shape", R"("plane", "sphere", "box", "bowl", "mesh")", "what it is; a plane is solid below its y = 0",
+      {.unset = "required",
+       .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius", "thickness"},
+       .defines = true,
+       .required = true},
+      set_shape, get_shape);
   add_mesh_keys(keys, mesh_of, require_mesh, {.unset = "none", .resets = {"mesh_sha256"}});
   keys.add_custom("size", VectorKind{units::length, positive_length}.type(), "edges of a box",
                   {.unset = VectorKind().write(2 * Block().half_size)}, set_size, get_size);
   const auto radius = [](auto& obstacle) {
     auto* ball = std::get_if<Ball>(&obstacle.shape);
-    return ball ? &ball->radius : nullptr;
+    auto* bowl = std::get_if<BowlShape>(&obstacle.shape);
+    return ball ? &ball->radius : bowl ? &bowl->radius : nullptr;
   };
-  keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere",
-           {.unset = number_text(Ball().radius), .belongs_to = "shape = \"sphere\""});
+  keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere, or of a bowl's rim",
+           {.unset = number_text(Ball().radius), .belongs_to = "shape = \"sphere\" or \"bowl\""});
+  const auto thickness = [](auto& obstacle) {
+    auto* bowl = std::get_if<BowlShape>(&obstacle.shape);
+    return bowl ? &bowl->thickness : nullptr;
+  };
+  keys.add("thickness", NumberKind{units::length, positive_length}, thickness, "of a bowl",
+           {.unset = number_text(BowlShape().thickness), .belongs_to = "shape = \"bowl\""});
   const auto of_mesh_only = [mesh_of](auto member) {
     return [mesh_of, member](auto& obstacle) { return mesh_of(obstacle) ? &(obstacle.*member) : nullptr; };
   };
@@ -83,7 +92,7 @@ SceneSection obstacle_section() {
   keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
            "Coulomb coefficient; of two that touch the larger one counts");
   keys.add("position", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(position),
-           "of the centre of a sphere or box, a plane's or mesh's own origin");
+           "of the centre of a sphere or box, of a bowl's bottom, a plane's or mesh's own origin");
   keys.add("rotation", TrackKind<VectorKind>{{units::angle, {.low = -1e6, .high = 1e6}}}, UMAX_FIELD(rotation_degrees),
            "about world X, then Y, then Z");
   keys.add("visible", FlagKind(), UMAX_FIELD(visible), "whether pictures show it");

@@ -94,9 +94,14 @@ struct BodyDescription {
   bool brings_its_hexes() const;
 };
 
+/// make_bowl() in embedding/surface/shapes.h.
+struct BowlShape {
+  double radius = 1, thickness = 0.1;  // [m]
+};
+
 struct ObstacleDescription {
   std::string name;
-  std::variant<HalfSpace, Ball, Block, MeshSource> shape = HalfSpace{};
+  std::variant<HalfSpace, Ball, Block, BowlShape, MeshSource> shape = HalfSpace{};
   std::optional<double> height, scale;  // of a mesh
   double friction = 0;
   Track<Vector3d> position{Vector3d(0, 0, 0)};

@@ -180,6 +180,48 @@ TriangleMesh make_cylinder(double radius, double length) {
   return builder.mesh();
 }
 
+TriangleMesh make_bowl(double radius, double thickness) {
+  require_positive("radius", radius);
+  require_positive("thickness", thickness);
+  const double rim_angle = 65 * std::numbers::pi / 180, middle = radius / std::sin(rim_angle), half = thickness / 2;
+  if (!(half < middle / 2))
+    throw Error(Fault::bad_data, {"bowl", "thickness must be less than the radius", std::to_string(thickness), ""});
+  constexpr int segments = 96, num_rings = 32, num_rim = 8;
+  struct ProfilePoint {
+    double x, y, nx, ny;  // y from the sphere's centre
+  };
+  std::vector<ProfilePoint> profile;  // outside from the bottom up, around the rim, inside down
+  const auto add_sphere = [&](double angle, double r, double sign) {
+    profile.push_back({r * std::sin(angle), -r * std::cos(angle), sign * std::sin(angle), -sign * std::cos(angle)});
+  };
+  for (int i = 0; i <= num_rings; ++i) add_sphere(rim_angle * i / num_rings, middle + half, 1);
+  for (int i = 1; i < num_rim; ++i) {
+    const double turn = rim_angle + std::numbers::pi * i / num_rim;  // of the normal, from straight down
+    const double nx = std::sin(turn), ny = -std::cos(turn);
+    profile.push_back({middle * std::sin(rim_angle) + half * nx, -middle * std::cos(rim_angle) + half * ny, nx, ny});
+  }
+  for (int i = num_rings; i >= 0; --i) add_sphere(rim_angle * i / num_rings, middle - half, -1);
+
+  MeshBuilder builder;
+  const auto place = [&](const ProfilePoint& p, double c, double s) {
+    return builder.add({p.x * c, p.y + middle + half, p.x * s}, {p.nx * c, p.ny, p.nx * s});
+  };
+  const int bottom = place(profile.front(), 1, 0), inner_bottom = place(profile.back(), 1, 0);
+  const int first = inner_bottom + 1, count = int(profile.size()) - 2;  // rings between
+  for (int ring = 0; ring < count; ++ring)
+    for (int i = 0; i < segments; ++i) {
+      const double angle = 2 * std::numbers::pi * i / segments;
+      place(profile[std::size_t(ring) + 1], std::cos(angle), std::sin(angle));
+    }
+  for (int i = 0; i < segments; ++i) {
+    const int j = (i + 1) % segments, last = first + (count - 1) * segments;
+    builder.triangles.emplace_back(bottom, first + i, first + j);
+    builder.triangles.emplace_back(inner_bottom, last + j, last + i);
+    for (int a = first; a < last; a += segments) builder.add_quad(a + i, a + segments + i, a + segments + j, a + j);
+  }
+  return builder.mesh();
+}
+
 TriangleMesh make_plane(double size) {
   require_positive("size", size);
   const double h = 0.5 * size;

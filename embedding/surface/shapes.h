@@ -15,6 +15,10 @@ TriangleMesh make_sphere(double radius, int subdivisions = 5);
 /// Cylinder along x centred at the origin, flat caps with a hard rim, about 21,000 triangles for a 1 m x 12 cm beam.
 TriangleMesh make_cylinder(double radius, double length);
 
+/// Bowl that stands with its bottom on the origin: a cap of a spherical shell, 65 degrees from the axis to a rounded rim
+/// of this radius [m], measured in the middle of its thickness [m].
+TriangleMesh make_bowl(double radius, double thickness);
+
 /// Horizontal square at y = 0, facing up, size x size [m].
 TriangleMesh make_plane(double size);
 

@@ -46,11 +46,18 @@ TEST_CASE("shapes are watertight, face outwards and have the right volume") {
   check(make_box({1, 2, 3}), 6, 1e-12);
   check(make_sphere(0.5), unit_sphere_volume / 8, 1e-3);
   check(make_cylinder(0.06, 1), pi * 0.0036, 2e-3);
+  const double rim = 65 * pi / 180, middle = 0.5 / std::sin(rim), half = 0.03;
+  check(make_bowl(0.5, 2 * half),
+        2 * pi * (1 - std::cos(rim)) / 3 * (std::pow(middle + half, 3) - std::pow(middle - half, 3)) +
+            pi * half * half / 2 * 2 * pi * (0.5 + 4 * half / (3 * pi) * std::cos(rim)),  // Pappus: half a torus
+        4e-3);
+  CHECK(make_bowl(0.5, 0.06).positions.col(1).minCoeff() == Approx(0).margin(1e-12));
   CHECK(make_sphere(1).num_triangles() >= 20000);
   CHECK((make_sphere(2.5).positions.rowwise().norm().array() - 2.5).abs().maxCoeff() < 1e-14);
   CHECK(make_plane(4).normals.row(0)[1] == 1);
   CHECK_THROWS_AS(make_sphere(-1), Error);
   CHECK_THROWS_AS(make_box({1, 0, 1}), Error);
+  CHECK_THROWS_AS(make_bowl(0.5, 2), Error);
 }
 
 TEST_CASE("a report counts a mesh's faults") {

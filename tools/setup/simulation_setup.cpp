@@ -207,6 +207,16 @@ void warn_of_penetration(const Simulation& simulation, std::vector<std::string>&
     }
 }
 
+// an obstacle whose distance is sampled from a mesh
+void take_mesh(TriangleMesh mesh, Obstacle& obstacle, ObstacleSetup& setup) {
+  const double extent = (highest(mesh) - lowest(mesh)).maxCoeff();
+  MeshShape shape;
+  shape.distance = std::make_shared<const SampledDistance>(make_distance_grid(mesh));
+  shape.edge_points = sharp_edge_points(mesh, {.spacing = extent / 100});
+  obstacle.shape = std::move(shape);
+  setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
 }  // namespace
 
 CageOptions cage_options(const CageDescription& cage) {
@@ -231,6 +241,9 @@ Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& se
   } else if (const auto* block = std::get_if<Block>(&description.shape)) {
     obstacle.shape = *block;
     setup.mesh = std::make_shared<const TriangleMesh>(make_box(2 * block->half_size));
+  } else if (const auto* bowl = std::get_if<BowlShape>(&description.shape)) {
+    take_mesh(named("obstacle." + description.name, [&] { return make_bowl(bowl->radius, bowl->thickness); }), obstacle,
+              setup);
   } else {
     named("obstacle." + description.name, [&] {
       const auto own = own_shape(std::get<MeshSource>(description.shape), library);
@@ -239,12 +252,7 @@ Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& se
           mesh,
           {.unit = own->unit, .up = own->up, .height = description.height, .scale = description.scale, .position = {}});
       compute_normals(mesh);
-      const double extent = (highest(mesh) - lowest(mesh)).maxCoeff();
-      MeshShape shape;
-      shape.distance = std::make_shared<const SampledDistance>(make_distance_grid(mesh));
-      shape.edge_points = sharp_edge_points(mesh, {.spacing = extent / 100});
-      obstacle.shape = std::move(shape);
-      setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+      take_mesh(std::move(mesh), obstacle, setup);
       return 0;
     });
   }
