@@ -107,7 +107,8 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
     been_near = been_near || quality.kkt <= near_solution * solver.tolerance;
     const int patience = been_near ? back_end.patience_near : back_end.patience;
-    if (iteration - cut_steps >= patience * solver.max_newton_iterations) return false;
+    const int spent = std::max(iteration - cut_steps, iteration / 2);  // cut ones are many where bodies come together
+    if (spent >= patience * solver.max_newton_iterations) return false;
 
     // linearise, and solve for the step with its contacts' forces
     ++report.sqp_iterations;
@@ -123,6 +124,7 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     if (is_cut) scale_bodies(model, shares, newton.step);
     const bool balanced = is_balanced(quality.kkt, solver.tolerance);
     double moved = is_cut ? 1 : step_factor(model, newton.step, shares[0], balanced, iterate.residuals, last);
+    if (!back_end.corrects) moved = std::min(moved, 1.0);  // a factor's steps are long enough, but may go to and fro
     if (moved > 1) moved *= felt_share(problem, iterate, moved * newton.step);
     if (is_cut || (moved < 1 && bodies_touch(iterate))) ++cut_steps;
     iterate.positions += moved * unflatten(newton.step);

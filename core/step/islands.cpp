@@ -62,8 +62,11 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
       island_of[body] = int(i);
       groups.join(islands[i].front(), body);
     }
-  const ContactStep step =
+  ContactStep step =
       begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0);
+  std::erase_if(step.encounters.all, [&](const Encounter& encounter) {  // what was solved together
+    return island_of[model.hex_body[encounter.hex]] == island_of[encounter.body];
+  });
   for (const Contact& contact : surface_candidates(step, start.positions, end.positions, 1)) {
     const auto [first, second] = bodies_of(model, contact);
     if (island_of[first] != island_of[second]) groups.join(first, second);
