@@ -154,6 +154,10 @@ void take(const ContactStep& step, const Points& positions, const HeldVertex& he
   contact.other = held.other;
   contact.normal = touch.normal;
   contact.gap = touch.gap + allowed.deep + allowed.shallow;
+  // what is pushed out of an overlap slides: friction would hold a body by its sides
+  contact.friction = allowed.deep > 0 ? 0
+                                      : friction_between(*step.model, step.model->hex_body[contact.support.hex],
+                                                         step.model->hex_body[contact.other.hex]);
   contact.position = contact_position(*step.model, positions, contact);
 }
 

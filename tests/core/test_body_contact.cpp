@@ -247,3 +247,16 @@ TEST_CASE("bodies inside each other at the start are found, and pushed apart gen
   });
   CHECK(find_overlaps(model, state).empty());
 }
+
+TEST_CASE("bodies of different cells that start inside each other are pushed apart without a bang") {
+  const Body low = touchable_block("low", {2, 2, 2}, {0, 0, 0}, 0.1, 8);
+  const Body high = touchable_block("high", {3, 3, 3}, {0.013, 0.18, 0.017}, 0.2 / 3, 8);  // 2 cm inside
+  const Model model = make_model({low, high}, {});
+  State state = rest_state(model);
+  simulate(model, without_gravity(), 30, state, [&](const StepReport& report, const State& now) {
+    CHECK(report.status == StepStatus::converged);
+    CHECK(momentum(model, now).norm() < 1e-8 * total_mass(model));
+    CHECK(now.velocities.rowwise().norm().maxCoeff() < 2);
+  });
+  CHECK(find_overlaps(model, state).empty());
+}
