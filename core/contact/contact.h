@@ -84,6 +84,12 @@ struct ContactGeometry {
 };
 ContactGeometry make_contact_geometry(const Model& model);
 
+/// The one way out of a body for all vertices of another that starts deep inside it: each one's nearest might be any side.
+struct WayOut {
+  Vector3d direction{0, 1, 0};  // world, unit
+  double depth = 0;             // [m] of the deepest vertex of the two
+};
+
 /// What detection needs during one step.
 struct ContactStep {
   const Model* model = nullptr;
@@ -93,6 +99,7 @@ struct ContactStep {
   std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
   bool surfaces_touch = true;            // false: obstacles alone are touched
   Encounters encounters;                 // of hexes, where the bodies are expected
+  std::map<std::pair<int, int>, WayOut> ways_out;  // of the first body's vertices out of the second
 };
 /// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
 constexpr double at_surface = 2;   // [penetration tolerances] of a vertex that may have come in by any side
+constexpr double way_reach = 1.2;  // times the depth of bodies inside each other, of what counts as their overlap
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
 
@@ -50,11 +51,26 @@ Vector3d pushed_forward(const Model& model, const HeldVertex& held, const Vector
   return held.F_inverse.transpose() * (body_of(model, held.other.hex).rest_pose.rotation * normal);
 }
 
+// The triangles by which a vertex at X leaves along the way, if it is inside or at the surface, and not deeper than the
+// bodies are.
+SurfaceHit hit_along(const Model& model, const HeldVertex& held, const Vector3d& X, const WayOut& way) {
+  const Model::BodyRange& body = body_of(model, held.other.hex);
+  const Matrix3d F = held.F_inverse.inverse();
+  const Vector3d direction = (body.rest_pose.rotation.transpose() * (F.transpose() * way.direction)).normalized();
+  return nearest_alike(*body.rest_surface, X, direction, same_side, way_reach * way.depth);
+}
+
 // was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
 bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex& held) {
   const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
   const DistanceBounds bounds = distance_bounds(surface, held.X0);
   return bounds.low < -slack && nearest_within(surface, held.X0, bounds).distance < -slack;
+}
+
+// is the point farther from the surface than `by`, on its outside?
+bool is_outside(const RestSurface& surface, const Vector3d& X, double by) {
+  const DistanceBounds bounds = distance_bounds(surface, X);
+  return bounds.low > by || (bounds.high > by && nearest_within(surface, X, bounds).distance > by);
 }
 
 }  // namespace
@@ -83,12 +99,14 @@ double least_gap(const HeldVertex& held) {
   return -std::max(-held.bounds.low, held.moved) * held.F_inverse.inverse().norm();
 }
 
-Touch measure(const Model& model, const HeldVertex& held) {
+Touch measure(const Model& model, const HeldVertex& held, const WayOut* way) {
   const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
-  const SurfaceHit hit =
-      was_inside(model, surface, held)
-          ? nearest_within(surface, held.X, held.bounds)  // the nearest way out
-          : hit_from_outside(surface, held, tolerance_between(model, held.vertex.hex, held.other.hex));
+  const double tolerance = tolerance_between(model, held.vertex.hex, held.other.hex);
+  SurfaceHit hit;
+  if (way && !is_outside(surface, held.X0, at_surface * tolerance)) hit = hit_along(model, held, held.X, *way);
+  if (hit.triangle < 0)
+    hit = was_inside(model, surface, held) ? nearest_within(surface, held.X, held.bounds)  // the nearest way out
+                                           : hit_from_outside(surface, held, tolerance);
   const Vector3d pushed = pushed_forward(model, held, hit.normal);
   return {hit.distance / pushed.norm(), pushed.normalized()};
 }
@@ -100,10 +118,18 @@ AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
   const Vector3d X_start = held.X + body.rest_pose.rotation.transpose() * away_at(model, step.positions_t0, held);
   const DistanceBounds bounds = distance_bounds(*body.rest_surface, X_start);
   if (bounds.low > 0) return {};
-  const SurfaceHit start = nearest_within(*body.rest_surface, X_start, bounds);
+  SurfaceHit start;
+  if (const WayOut* way = way_between(step, hex, other)) start = hit_along(model, held, X_start, *way);
+  if (start.triangle < 0) start = nearest_within(*body.rest_surface, X_start, bounds);
   const double depth = -start.distance / pushed_forward(model, held, start.normal).norm();
   const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[other]]);
   return allowed_depth(depth, tolerance_between(model, hex, other), recovery);
+}
+
+const WayOut* way_between(const ContactStep& step, int hex, int other_hex) {
+  if (step.ways_out.empty()) return nullptr;
+  const auto found = step.ways_out.find({step.model->hex_body[hex], step.model->hex_body[other_hex]});
+  return found == step.ways_out.end() ? nullptr : &found->second;
 }
 
 }  // namespace umax

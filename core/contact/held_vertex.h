@@ -44,12 +44,17 @@ bool hold(const Model& model, const Points& apart, const Points& positions, cons
 /// Is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
 bool is_clear(const RestSurface& surface, const HeldVertex& held);
 
-/// No gap that measure() finds is below this [m]: what the vertex came through is no farther than where it came from.
+/// No gap that measure() finds without a way out is below this [m]: what the vertex came through is no farther than where
+/// it came from.
 double least_gap(const HeldVertex& held);
 
-Touch measure(const Model& model, const HeldVertex& held);
+/// way: out of the touched body, if the bodies started deep inside each other.
+Touch measure(const Model& model, const HeldVertex& held, const WayOut* way);
 
 /// The depth that the vertex may have at the end of the step, by how deep it was at its start.
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held);
+
+/// The way out of one hex's body for vertices of another's; null: there is none.
+const WayOut* way_between(const ContactStep& step, int hex, int other_hex);
 
 }  // namespace umax

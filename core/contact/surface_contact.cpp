@@ -16,6 +16,7 @@
 namespace umax {
 namespace {
 
+constexpr double one_way = 0.3;      // [-] of the depths of vertices in a body, that their ways out have in common
 constexpr double same_plane = 0.99;  // [-] cosine between normals
 constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
 constexpr double kept_share = 0.5;   // [penetration tolerances] that it lets a vertex be inside
@@ -80,6 +81,7 @@ struct Meeting {
   const Model::BodyRange& body;
   int hex = 0;
   Matrix8x3d nodes;
+  const WayOut* way = nullptr;
   std::vector<OtherHex> others;
 };
 Meeting meet(const ContactStep& step, const Points& apart, const Points& positions, const Search& search,
@@ -92,6 +94,7 @@ Meeting meet(const ContactStep& step, const Points& apart, const Points& positio
                   model.bodies[encounter.body],
                   encounter.hex,
                   hex_nodes(model, positions, encounter.hex),
+                  way_between(step, encounter.hex, encounter.others.front()),
                   {}};
   for (const int other : encounter.others)
     if (may_meet(search.bounds[other], meeting.nodes, 0))
@@ -117,7 +120,8 @@ std::vector<NearCluster> near_clusters(const Meeting& meeting) {
       if (!may_hold(other.bounds, sphere.centre, sphere.radius)) continue;
       const double distance = least_distance(meeting.body, other, sphere.centre, sphere.radius);
       if (distance > other.largest_move) continue;
-      const double deepest = std::max(-distance, other.largest_move);
+      double deepest = std::max(-distance, other.largest_move);
+      if (meeting.way) deepest = infinity;  // not by what is nearest
       least = std::min(least, std::isfinite(deepest) ? -deepest * other.bounds.largest_stretch : -infinity);
     }
     if (least < infinity) near.push_back({c, least});
@@ -178,8 +182,8 @@ DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& dee
     if (near.least > deepest.gap + tie) break;
     visit_held(meeting, near, [&](int point, const HeldVertex& held) {
       const double most = deepest.gap + tie;
-      if (least_gap(held) > most) return;
-      const Touch touch = measure(meeting.model, held);
+      if (!meeting.way && least_gap(held) > most) return;
+      const Touch touch = measure(meeting.model, held, meeting.way);
       if (touch.gap > most) return;
       const double gap = touch.gap + deep(held);
       const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
@@ -316,7 +320,7 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     Contact next = contact;
     follow(model, positions, contact);
     if (!found) continue;
-    take(step, positions, held, measure(model, held), next);
+    take(step, positions, held, measure(model, held, way_between(step, vertex.hex, held.other.hex)), next);
     move_on(model, positions, next, contact);
   }
 }
@@ -341,7 +345,7 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
     const Meeting meeting = meet(step, positions, positions, search, encounter);
     for (const NearCluster& near : near_clusters(meeting))
       visit_held(meeting, near, [&](int, const HeldVertex& held) {
-        const double gap = measure(model, held).gap;
+        const double gap = measure(model, held, nullptr).gap;
         if (gap >= 0) return;
         ++overlap.vertices;
         overlap.depth = std::max(overlap.depth, -gap);
@@ -357,6 +361,58 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
   std::vector<Overlap> overlaps;
   for (const auto& [bodies, sum] : sums) overlaps.push_back(sum);
   return overlaps;
+}
+
+bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts) {
+  const Model& model = *step.model;
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+    HeldVertex held;
+    const Vector3d position = embedded_position(model, step.positions_t0, contact.support);
+    return contact.between_bodies() &&
+           hold(model, step.positions_t0, step.positions_t0, contact.support, position, contact.other.hex, around_hex,
+                held) &&
+           measure(model, held, nullptr).gap < -nearly_outside * tolerance_depth(model, contact);
+  });
+}
+
+std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step) {
+  const Model& model = *step.model;
+  const ContactStep rest = at_rest(model, *step.geometry, step.positions_t0);
+  const Search search = search_at(rest, step.positions_t0);
+  struct Sum {
+    Vector3d ways = Vector3d::Zero();  // [m] depth by normal
+    double depths = 0, deepest = 0;    // [m]
+  };
+  std::vector<Sum> of_encounters(search.encounters.size());
+  for_each_encounter(search.encounters, [&](Eigen::Index i, const Encounter& encounter) {
+    if (model.hex_body[encounter.hex] == encounter.body) return;
+    Sum& sum = of_encounters[std::size_t(i)];
+    const Meeting meeting = meet(rest, step.positions_t0, step.positions_t0, search, encounter);
+    const double tolerance = tolerance_between(model, encounter.hex, encounter.others.front());
+    for (const NearCluster& near : near_clusters(meeting))
+      visit_held(meeting, near, [&](int, const HeldVertex& held) {
+        const Touch touch = measure(model, held, nullptr);
+        if (touch.gap >= -nearly_outside * tolerance) return;
+        sum.ways -= touch.gap * touch.normal;
+        sum.depths -= touch.gap;
+        sum.deepest = std::max(sum.deepest, -touch.gap);
+      });
+  });
+  std::map<std::pair<int, int>, Sum> sums;  // the smaller body's way out of the other
+  for (std::size_t i = 0; i < of_encounters.size(); ++i) {
+    const int body = model.hex_body[search.encounters[i].hex], other = search.encounters[i].body;
+    Sum& sum = sums[std::minmax(body, other)];
+    sum.ways += (body < other ? 1 : -1) * of_encounters[i].ways;
+    sum.depths += of_encounters[i].depths;
+    sum.deepest = std::max(sum.deepest, of_encounters[i].deepest);
+  }
+  std::map<std::pair<int, int>, WayOut> ways;
+  for (const auto& [bodies, sum] : sums) {
+    if (!(sum.ways.norm() > one_way * sum.depths)) continue;
+    ways[bodies] = {sum.ways.normalized(), sum.deepest};
+    ways[{bodies.second, bodies.first}] = {-sum.ways.normalized(), sum.deepest};
+  }
+  return ways;
 }
 
 double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions) {

@@ -51,6 +51,12 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
 /// and normal stay.
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact);
 
+/// Is one of the contacts' vertices deep inside a body at the step's start?
+bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts);
+
+/// The ways out of bodies that are deep inside each other at the step's start, where most of their vertices agree on one.
+std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step);
+
 /// Bodies that are inside others or themselves, of those that may touch, by a and b. hex_starts as in ContactGeometry.
 std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& geometry, const Points& positions);
 

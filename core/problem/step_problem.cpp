@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/contact/surface_contact.h"
 #include "core/model/hex_limits.h"
 
 namespace umax {
@@ -38,6 +39,17 @@ double joining_share_for(double tolerance) {
   return 0.5 * std::min(1.0, tolerance / SolverOptions{}.tolerance);
 }
 
+// Bodies may be deep inside each other in the first step, and as long as contacts that push are.
+bool may_start_deep(const ContactStep& contact, const State& state) {
+  if (!contact.surfaces_touch || !contact.geometry->touchable.any() || contact.model->bodies.size() < 2) return false;
+  if (state.step == 0) return true;
+  std::vector<Contact> remembered;
+  for (const State::ContactImpulse& memory : state.contacts)
+    if (memory.obstacle < 0)
+      remembered.push_back(make_surface_contact(*contact.model, memory.point.index, memory.hex, memory.other_hex));
+  return are_deep(contact, remembered);
+}
+
 }  // namespace
 
 Materials materials_at(const Model& model, double time) {
@@ -56,6 +68,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
   ContactStep contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
                                            state.time, h, options.gravity.norm());
   contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
+  if (may_start_deep(contact, state)) contact.ways_out = find_ways_out(contact);
   return {
       .model = &model,
       .options = &options,
