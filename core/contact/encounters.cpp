@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <map>
 #include <utility>
 
 #include "core/base/parallel.h"
@@ -155,9 +155,8 @@ Boxes boxes_on_way(const HexTree& tree, const Model& model, const Points& from, 
 // way, seen from the touched body; in parallel by hex.
 template <class Visit>
 void for_each_fast_meeting(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                           const Points& from, const Points& to, const Visit& visit) {
-  const std::vector<BodyMotion> motions = body_motions(model, from, to);
-  const Surfaces fast = fast_surfaces(model, touchable, motions);
+                           const Points& from, const Points& to, const std::vector<BodyMotion>& motions,
+                           const Surfaces& fast, const Visit& visit) {
   std::vector<Boxes> boxes(model.bodies.size());
   for (const std::vector<int>& bodies : fast)
     for (const int body : bodies)
@@ -251,43 +250,39 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
   return true;
 }
 
-VectorXd largest_approaches(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                            const Points& from, const Points& to) {
+std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touchable,
+                                 const std::vector<int>& hex_starts, const Points& from, const Points& to) {
   const auto motion = [&](int hex) -> Vector3d {
     return (hex_nodes(model, to, hex) - hex_nodes(model, from, hex)).colwise().mean().transpose();
   };
-  const auto count = Eigen::Index(model.bodies.size());
-  MatrixXd of_hexes = MatrixXd::Ones(count, model.num_hexes());  // towards each body
-  for_each_fast_meeting(model, touchable, hex_starts, from, to, [&](int hex, int other) {
-    const double felt = felt_between(model, model.hex_body[hex], model.hex_body[other]);
-    double& largest = of_hexes(model.hex_body[other], hex);
-    largest = std::max(largest, (motion(other) - motion(hex)).norm() / felt);
+  const std::vector<BodyMotion> motions = body_motions(model, from, to);
+  const Surfaces fast = fast_surfaces(model, touchable, motions);
+  if (std::all_of(fast.begin(), fast.end(), [](const std::vector<int>& of) { return of.empty(); })) return {};
+  std::vector<std::vector<FastPair>> of_hexes(std::size_t(model.num_hexes()));
+  for_each_fast_meeting(model, touchable, hex_starts, from, to, motions, fast, [&](int hex, int other) {
+    std::vector<FastPair>& pairs = of_hexes[std::size_t(hex)];
+    const int body = model.hex_body[hex], met = model.hex_body[other];
+    if (pairs.empty() || pairs.back().other != met) pairs.push_back({body, met});  // they come one after the other
+    const double approach = (motion(other) - motion(hex)).norm() / felt_between(model, body, met);
+    pairs.back().approach = std::max(pairs.back().approach, approach);
   });
-  VectorXd of_bodies = of_hexes.rowwise().maxCoeff();
-  for (Eigen::Index hex = 0; hex < model.num_hexes(); ++hex)
-    of_bodies[model.hex_body[hex]] = std::max(of_bodies[model.hex_body[hex]], of_hexes.col(hex).maxCoeff());
-  return of_bodies;
+  std::map<std::pair<int, int>, double> largest;
+  for (const std::vector<FastPair>& pairs : of_hexes)
+    for (const FastPair& pair : pairs) {
+      double& approach = largest[{pair.body, pair.other}];
+      approach = std::max(approach, pair.approach);
+    }
+  std::vector<FastPair> all;
+  for (const auto& [bodies, approach] : largest) all.push_back({bodies.first, bodies.second, approach});
+  return all;
 }
 
-int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-               const Points& from, const Points& to) {
-  return int(std::ceil(largest_approaches(model, touchable, hex_starts, from, to).maxCoeff()));
-}
-
-std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,
-                                            const std::vector<int>& hex_starts, const Points& from, const Points& to) {
-  std::vector<std::vector<int>> met(std::size_t(model.num_hexes()));  // bodies
-  for_each_fast_meeting(model, touchable, hex_starts, from, to, [&](int hex, int other) {
-    std::vector<int>& bodies = met[std::size_t(hex)];
-    const int body = model.hex_body[other];
-    if (bodies.empty() || bodies.back() != body) bodies.push_back(body);  // they come one after the other
-  });
-  std::vector<std::pair<int, int>> pairs;
-  for (std::size_t hex = 0; hex < met.size(); ++hex)
-    for (const int other : met[hex]) pairs.push_back(std::minmax(model.hex_body[hex], other));
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+VectorXd largest_approaches(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                            const Points& from, const Points& to) {
+  VectorXd approaches = VectorXd::Ones(Eigen::Index(model.bodies.size()));
+  for (const FastPair& pair : fast_pairs(model, touchable, hex_starts, from, to))
+    for (const int body : {pair.body, pair.other}) approaches[body] = std::max(approaches[body], pair.approach);
+  return approaches;
 }
 
 }  // namespace umax

@@ -1,7 +1,6 @@
 // Which hexes may touch in a step: those whose boxes, grown by a margin, meet where the bodies are expected at its end.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "core/contact/hex_tree.h"
@@ -45,17 +44,18 @@ bool are_complete(const Model& model, const Encounters& encounters, const Points
 /// size, so that none passes another unseen.
 inline constexpr double felt_motion = 0.5;
 
-/// How many times felt_motion hexes of a body and others that may touch move against each other on straight ways between two
-/// sets of positions, at most: of the centres of two hexes whose ways' boxes meet. Per body; 1 where less.
+/// Two bodies of which hexes may meet on straight ways between two sets of positions, though they are apart at both ends.
+struct FastPair {
+  int body = 0, other = 0;  // vertices of the first, surface of the second
+  double approach = 0;      // times felt_motion: of the centres of two hexes whose ways' boxes meet, at most
+};
+
+/// Of bodies that may touch and move farther against each other than felt_motion; in the order of bodies.
+std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touchable,
+                                 const std::vector<int>& hex_starts, const Points& from, const Points& to);
+
+/// FastPair::approach of the fastest pair that a body is in: #B; 1 where none is faster.
 VectorXd largest_approaches(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                             const Points& from, const Points& to);
-
-/// Looks that the way takes: 1 where no two hexes come farther towards each other than felt_motion.
-int felt_parts(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-               const Points& from, const Points& to);
-
-/// Pairs of bodies, the smaller first, of which hexes may meet on their ways though they are apart at both ends of them.
-std::vector<std::pair<int, int>> fast_pairs(const Model& model, const TouchableBodies& touchable,
-                                            const std::vector<int>& hex_starts, const Points& from, const Points& to);
 
 }  // namespace umax

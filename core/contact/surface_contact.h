@@ -34,7 +34,8 @@ std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart
 
 /// Does the contact keep its plane, since its normal has turned to and fro?
 inline bool keeps_plane(const Contact& contact) {
-  return contact.turns_back > 2;
+  constexpr int most_turns_back = 2;
+  return contact.turns_back > most_turns_back;
 }
 
 /// Is a vertex of one body deeper in another than that?

@@ -1,6 +1,7 @@
 #include "core/problem/body_shares.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/groups.h"
 #include "core/contact/surface_contact.h"
@@ -32,10 +33,8 @@ void share_alike(const StepProblem& problem, const Iterate& iterate, VectorXd& s
 }  // namespace
 
 void approach(const StepProblem& problem, Iterate& iterate) {
-  const ContactGeometry& geometry = *problem.contact.geometry;
   const Points way = iterate.positions - problem.positions_t0;
-  const int parts =
-      felt_parts(*problem.model, geometry.touchable, geometry.hex_starts, problem.positions_t0, iterate.positions);
+  const int parts = int(std::ceil(approaches(problem, problem.positions_t0, iterate.positions).maxCoeff()));
   if (parts == 1) return;
   for (int part = 1; part <= parts; ++part) {
     iterate.positions = problem.positions_t0 + double(part) / parts * way;

@@ -8,9 +8,8 @@
 namespace umax {
 namespace {
 
-constexpr int max_contact_rounds = 10;  // detections per factorisation
-constexpr int max_surface_rounds =
-    1;  // of these, that look at bodies' surfaces too: dear, and the next iteration looks again
+constexpr int max_contact_rounds = 10;        // detections per factorisation
+constexpr int max_surface_rounds = 1;         // of these, at surfaces of bodies too: the next iteration looks again
 constexpr double rough_move = 0.05;           // [cells] in the last iteration
 constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
 constexpr double reordering_margin = 1;       // [cells]

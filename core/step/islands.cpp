@@ -47,8 +47,8 @@ std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeom
   const Points expected = state.positions + time_step * state.velocities;
   const Encounters encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, expected, margin);
   for (const Encounter& encounter : encounters.all) groups.join(model.hex_body[encounter.hex], encounter.body);
-  for (const auto& [a, b] : fast_pairs(model, geometry.touchable, geometry.hex_starts, state.positions, expected))
-    groups.join(a, b);
+  for (const FastPair& pair : fast_pairs(model, geometry.touchable, geometry.hex_starts, state.positions, expected))
+    groups.join(pair.body, pair.other);
   return groups.all();
 }
 

@@ -66,7 +66,8 @@ bool moves_too_fast(const Model& model, const ContactGeometry& geometry, const S
                     const State& state) {
   if (!geometry.touchable.any()) return false;
   const Points expected = state.positions + options.time_step * state.velocities;
-  return felt_parts(model, geometry.touchable, geometry.hex_starts, state.positions, expected) > most_parts;
+  return largest_approaches(model, geometry.touchable, geometry.hex_starts, state.positions, expected).maxCoeff() >
+         most_parts;
 }
 
 // how often a step may still be halved: where it does not converge, and where bodies move too fast
