@@ -58,6 +58,13 @@ class ForceChanges {
       if (changes_[b] > share * sizes_[b]) return false;
     return true;
   }
+  /// The largest such share of any body.
+  double largest() const {
+    double share = 0;
+    for (std::size_t b = 0; b < changes_.size(); ++b)
+      if (changes_[b] > 0) share = std::max(share, changes_[b] / sizes_[b]);
+    return share;
+  }
 
  private:
   std::vector<double> changes_, sizes_;

@@ -16,9 +16,8 @@ namespace umax {
 /// Of one body: three world directions per point at which a contact pushes it.
 struct BodyDelassus {
   std::vector<Support> points;
-  MatrixXd W;     // [m/N] 3 #P x 3 #P
-  MatrixXd half;  // L^-1 J^T; rows: the unknowns eliminated last, while all points are there, or all unknowns
-  bool in_last = true;
+  MatrixXd W;                       // [m/N] 3 #P x 3 #P
+  std::vector<HalfColumns> halves;  // L^-1 J^T, of the points as they came
 };
 
 struct Delassus {
@@ -37,10 +36,5 @@ void extend(const Model& model, const Workspace::Data& workspace, const std::vec
 
 /// W as one matrix, 3 #C x 3 #C.
 MatrixXd dense(const Delassus& delassus);
-
-/// Projected Gauss-Seidel for frictional contacts alone (core/contact/gauss_seidel.h), whose motions are W f + q: improves
-/// the forces f in place.
-GaussSeidelResult gauss_seidel(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
-                               const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

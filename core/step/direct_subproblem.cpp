@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/step/delassus.h"
+#include "core/step/contact_forces.h"
 
 namespace umax {
 namespace {
@@ -24,11 +24,10 @@ ContactRows free_rows(const StepProblem& problem, const Iterate& iterate, const 
   return contacts;
 }
 
-// While bodies still move, their normals turn before forces that were found to many digits are of any use.
-int most_sweeps(const StepProblem& problem, const Iterate& iterate) {
-  const int all = problem.options->solver.max_sweeps;
-  const bool rough = iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
-  return rough ? all / 10 : all;
+// Do bodies that may touch still move so far that their contacts will be others in the next iteration? Forces that were
+// found to many digits are of no use then, nor is a look at what the step would push into what.
+bool is_rough(const StepProblem& problem, const Iterate& iterate) {
+  return iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
 }
 
 // dx = -A^-1 grad + A^-1 J^T f; vertices that dx would push in too deep join the working set against the same factor
@@ -40,6 +39,8 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
   solve(model, workspace, free_step);
   VectorXd step = free_step;
   Delassus delassus;
+  const bool rough = is_rough(problem, iterate);
+  const int most_sweeps = rough ? solver.max_sweeps / 10 : solver.max_sweeps;
   for (int round = 0; round < max_contact_rounds; ++round) {
     extend(model, workspace, iterate.contacts, delassus);
     if (!iterate.contacts.empty()) {
@@ -47,11 +48,10 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
         force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
       const auto [rows, motions] = free_rows(problem, iterate, free_step);
-      report.linear_iterations += gauss_seidel(delassus, rows, motions,
-                                               {.max_sweeps = most_sweeps(problem, iterate),
-                                                .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)},
-                                               force)
-                                      .sweeps;
+      report.linear_iterations +=
+          solve_contacts(delassus, rows, motions,
+                         {.max_sweeps = most_sweeps, .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)}, force)
+              .sweeps;
       VectorXd push = VectorXd::Zero(step.size());
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
         iterate.contacts[i].force = force.segment<3>(3 * Eigen::Index(i));
@@ -61,7 +61,7 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
       solve(model, workspace, push);
       step = free_step + push;
     }
-    if (add_linearised_contacts(problem, step, round < max_surface_rounds, iterate) == 0) break;
+    if (add_linearised_contacts(problem, step, !rough && round < max_surface_rounds, iterate) == 0) break;
   }
   return step;
 }

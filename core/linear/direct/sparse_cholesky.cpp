@@ -7,14 +7,11 @@
 #include <new>
 #include <stdexcept>
 
-#include "core/base/parallel.h"
-
 namespace umax {
 namespace {
 
 // nested dissection pays from here on; below, minimum degree does as well and is found faster
 constexpr int nested_dissection_nodes = 2000;
-constexpr Eigen::Index columns_per_block = 48;
 
 // While one lives, CHOLMOD's OpenMP regions run on the calling thread: its fixed four threads spin against TBB's (2121
 // unknowns on 2 cores: 10.0 ms of processor time a step with them, 5.9 ms without). The runtime is whichever the
@@ -138,10 +135,7 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
 struct SparseCholesky::Data {
   cholmod_common common{};
   cholmod_factor* factor = nullptr;
-  std::vector<int> order;       // node at each rank
-  std::vector<int> last_ranks;  // ascending, of the nodes eliminated last
-  std::vector<int> last_rows;   // #N, see last_row()
-  MatrixXd last_factor;         // lower triangle: the factor's rows and columns of the unknowns eliminated last
+  std::vector<int> order;  // node at each rank
   // buffers that cholmod_solve2 grows once and reuses
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
 
@@ -173,12 +167,6 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 void SparseCholesky::analyse(const SystemMatrix& matrix) {
   data_->order = matrix.order;
-  for (const int node : matrix.last) data_->last_ranks.push_back(matrix.ranks[node]);
-  std::sort(data_->last_ranks.begin(), data_->last_ranks.end());
-  data_->last_rows.assign(matrix.order.size(), -1);
-  for (std::size_t i = 0; i < data_->last_ranks.size(); ++i)
-    data_->last_rows[matrix.order[data_->last_ranks[i]]] = 3 * int(i);
-
   // the matrix stands in elimination order already: no permutation, no transposed copy at every factorisation
   cholmod_common& common = data_->common;
   common.nmethods = 1;
@@ -196,67 +184,21 @@ bool SparseCholesky::factorize(const SystemMatrix& matrix) {
   cholmod_sparse view = lower_triangle(matrix);
   cholmod_factorize(&view, data_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE) throw std::bad_alloc();
-  if (common.status != CHOLMOD_OK) return false;
-  extract_last();
-  return true;
+  return common.status == CHOLMOD_OK;
 }
 
-// Only unknowns of `last` are eliminated after one of them, so their rows and columns of L are a factor by themselves:
-// of the Schur complement.
-void SparseCholesky::extract_last() {
-  if (data_->last_ranks.empty()) return;
+SupernodalView SparseCholesky::columns() const {
   const cholmod_factor& factor = *data_->factor;
-  std::vector<int> row(factor.n, -1);  // in last_factor
-  for (std::size_t i = 0; i < data_->last_ranks.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) row[3 * data_->last_ranks[i] + axis] = 3 * int(i) + axis;
-
-  const int *const super = static_cast<const int*>(factor.super), *const pi = static_cast<const int*>(factor.pi);
-  const int *const px = static_cast<const int*>(factor.px), *const rows = static_cast<const int*>(factor.s);
-  const double* const values = static_cast<const double*>(factor.x);
-  data_->last_factor.setZero(num_last(), num_last());
-  for (std::size_t s = 0; s < factor.nsuper; ++s) {
-    const int num_rows = pi[s + 1] - pi[s];
-    for (int column = super[s]; column < super[s + 1]; ++column) {
-      if (row[column] < 0) continue;
-      const int first = column - super[s];
-      const double* const entries = values + px[s] + std::ptrdiff_t(first) * num_rows;
-      for (int i = first; i < num_rows; ++i)  // an entry outside is a zero that a merged supernode stores
-        if (row[rows[pi[s] + i]] >= 0) data_->last_factor(row[rows[pi[s] + i]], row[column]) = entries[i];
-    }
-  }
-}
-
-int SparseCholesky::num_last() const {
-  return 3 * int(data_->last_ranks.size());
-}
-
-int SparseCholesky::last_row(int node) const {
-  return data_->last_rows[node];
-}
-
-void SparseCholesky::half_solve_last(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
-  parallel_blocks(columns.cols(), columns_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    auto block = columns.middleCols(begin, end - begin);
-    data_->last_factor.triangularView<Eigen::Lower>().solveInPlace(block);
-  });
+  return {int(factor.nsuper),
+          static_cast<const int*>(factor.super),
+          static_cast<const int*>(factor.pi),
+          static_cast<const int*>(factor.px),
+          static_cast<const int*>(factor.s),
+          static_cast<const double*>(factor.x)};
 }
 
 void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
   if (columns.cols() == 0) return;
-  const Eigen::Map<const MatrixXd> solution = solve_ordered(CHOLMOD_A, columns);
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    for (std::size_t rank = 0; rank < data_->order.size(); ++rank)
-      columns.col(c).segment<3>(3 * data_->order[rank]) = solution.col(c).segment<3>(3 * Eigen::Index(rank));
-}
-
-void SparseCholesky::half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
-  if (columns.cols() == 0) return;
-  columns = solve_ordered(CHOLMOD_L, columns);
-}
-
-// the columns, brought into elimination order, and solved; valid until the next solve
-Eigen::Map<const MatrixXd> SparseCholesky::solve_ordered(int system,
-                                                         Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
   MatrixXd ordered(columns.rows(), columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
     for (std::size_t rank = 0; rank < data_->order.size(); ++rank)
@@ -270,10 +212,14 @@ Eigen::Map<const MatrixXd> SparseCholesky::solve_ordered(int system,
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
   const SerialOpenMp serial;
-  if (!cholmod_solve2(system, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y, &data_->work_e,
-                      &data_->common))
+  if (!cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y,
+                      &data_->work_e, &data_->common))
     throw std::runtime_error("the sparse solver failed to solve with its factor");
-  return {static_cast<const double*>(data_->solution->x), columns.rows(), columns.cols()};
+  const Eigen::Map<const MatrixXd> solution(static_cast<const double*>(data_->solution->x), columns.rows(),
+                                            columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (std::size_t rank = 0; rank < data_->order.size(); ++rank)
+      columns.col(c).segment<3>(3 * data_->order[rank]) = solution.col(c).segment<3>(3 * Eigen::Index(rank));
 }
 
 }  // namespace umax

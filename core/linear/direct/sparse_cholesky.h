@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/linear/direct/half_columns.h"
 #include "core/linear/direct/system_matrix.h"
 
 namespace umax {
@@ -30,22 +31,12 @@ class SparseCholesky {
   /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
   void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
-  /// Overwrites each column b with z = L^-1 b in elimination order, so that z_i . z_j = b_i . A^-1 b_j: half the work
-  /// of solve().
-  void half_solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
-
-  /// Number of unknowns of SystemMatrix::last, and the row in [0, num_last) of a node's first one, with the others
-  /// after it; -1: it is not among them.
-  int num_last() const;
-  int last_row(int node) const;
-
-  /// half_solve() of columns that are zero but for the unknowns eliminated last: num_last() rows.
-  void half_solve_last(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
+  /// The factor L by its groups of columns, for half_solve() of sparse right-hand sides: rows stand in elimination order,
+  /// 3 SystemMatrix::ranks[node] + axis. Valid until the next factorisation.
+  SupernodalView columns() const;
 
  private:
   void analyse(const SystemMatrix& matrix);
-  void extract_last();
-  Eigen::Map<const MatrixXd> solve_ordered(int system, Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
   struct Data;
   std::unique_ptr<Data> data_;
 };

@@ -1,0 +1,259 @@
+#include "core/step/contact_forces.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace umax {
+namespace {
+
+constexpr int sweeps_between = 20;           // tries of Newton's method; after one that failed, twice as many
+constexpr int newton_steps = 8;              // a try
+constexpr std::size_t most_in_newton = 500;  // contacts: its matrix is dense
+constexpr double kept_compliance = 1e-9;     // [-] of a contact's own, that holds forces which change nothing
+
+// Forces and the motions that they make, at the points of each body.
+struct ContactState {
+  VectorXd forces;                // 3 #C [N]
+  std::vector<VectorXd> motions;  // per body, 3 #P [m]
+};
+
+struct ContactProblem {
+  const Delassus& delassus;
+  const std::vector<ContactRow>& contacts;
+  const VectorXd& q;
+  std::vector<ContactBlock> blocks;
+  int count() const { return int(contacts.size()); }
+};
+
+// calls visit(side) for each body that the contact pushes
+template <class Visit>
+void for_each_side(const Delassus& delassus, int contact, const Visit& visit) {
+  for (int s = delassus.first_side[contact]; s < delassus.first_side[contact + 1]; ++s) visit(delassus.sides[s]);
+}
+
+// how a contact moves under another one's force
+Matrix3d block(const Delassus& delassus, int to, int from) {
+  Matrix3d sum = Matrix3d::Zero();
+  for_each_side(delassus, to, [&](const Delassus::Side& a) {
+    for_each_side(delassus, from, [&](const Delassus::Side& b) {
+      if (a.body == b.body) sum += a.sign * b.sign * delassus.bodies[a.body].W.block<3, 3>(3 * a.point, 3 * b.point);
+    });
+  });
+  return sum;
+}
+
+// the motions of all points under the forces, with the q of contacts at their first points
+std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
+  const Delassus& delassus = problem.delassus;
+  std::vector<VectorXd> on(delassus.bodies.size()), motions(on.size());
+  for (std::size_t b = 0; b < on.size(); ++b) on[b].setZero(delassus.bodies[b].W.rows());
+  for (int i = 0; i < problem.count(); ++i)
+    for_each_side(delassus, i, [&](const Delassus::Side& side) {
+      on[side.body].segment<3>(3 * side.point) = side.sign * forces.segment<3>(3 * i);
+    });
+  for (std::size_t b = 0; b < on.size(); ++b) motions[b] = delassus.bodies[b].W * on[b];
+  for (int i = 0; i < problem.count(); ++i) {
+    const Delassus::Side& side = delassus.sides[delassus.first_side[i]];
+    motions[side.body].segment<3>(3 * side.point) += problem.q.segment<3>(3 * i);
+  }
+  return motions;
+}
+
+Vector3d motion_of(const ContactProblem& problem, const ContactState& state, int contact) {
+  Vector3d w = Vector3d::Zero();
+  for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
+    w += side.sign * state.motions[side.body].segment<3>(3 * side.point);
+  });
+  return w;
+}
+
+void count_change(const ContactProblem& problem, int contact, const Vector3d& change, const Vector3d& force,
+                  ForceChanges& changes) {
+  for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
+    changes.add(side.body, change.cwiseAbs().maxCoeff(), force.cwiseAbs().maxCoeff());
+  });
+}
+
+// one projected Gauss-Seidel sweep over all contacts
+ForceChanges sweep(const ContactProblem& problem, ContactState& state) {
+  ForceChanges changes(problem.delassus.bodies.size());
+  for (int i = 0; i < problem.count(); ++i) {
+    const Vector3d old = state.forces.segment<3>(3 * i);
+    const Vector3d change =
+        relaxed_force(problem.contacts[i], problem.blocks[i], motion_of(problem, state, i), old) - old;
+    if (change.squaredNorm() > 0) {
+      state.forces.segment<3>(3 * i) += change;
+      for_each_side(problem.delassus, i, [&](const Delassus::Side& side) {
+        state.motions[side.body].noalias() +=
+            problem.delassus.bodies[side.body].W.middleCols<3>(3 * side.point) * Vector3d(side.sign * change);
+      });
+    }
+    count_change(problem, i, change, state.forces.segment<3>(3 * i), changes);
+  }
+  return changes;
+}
+
+// what is left to change at each contact, were it alone
+double what_is_left(const ContactProblem& problem, const ContactState& state) {
+  ForceChanges changes(problem.delassus.bodies.size());
+  for (int i = 0; i < problem.count(); ++i) {
+    const Vector3d force = state.forces.segment<3>(3 * i);
+    count_change(problem, i,
+                 relaxed_force(problem.contacts[i], problem.blocks[i], motion_of(problem, state, i), force) - force,
+                 force, changes);
+  }
+  return changes.largest();
+}
+
+// A contact that pushes, in its own frame: the normal first.
+struct Pushing {
+  int contact = 0;
+  Matrix3d frame = Matrix3d::Identity();  // columns n, t1, t2
+  bool slides = false;
+  Eigen::Vector2d direction{0, 0};  // of friction where it slides
+  double radius = 0, share = 0;     // [N] of friction; [-] of it to what friction would be without a bound
+  Vector3d right_side = Vector3d::Zero();
+};
+
+Pushing classify(const ContactRow& contact, const ContactBlock& block, const Vector3d& w, const Vector3d& force) {
+  Pushing pushing;
+  const Vector3d t1 = contact.normal.unitOrthogonal();
+  pushing.frame << contact.normal, t1, contact.normal.cross(t1);
+  const Vector3d local_w = pushing.frame.transpose() * w, local_f = pushing.frame.transpose() * force;
+  pushing.right_side = -local_w;
+  pushing.right_side[0] -= contact.bias;
+  pushing.radius = contact.friction * std::max(0.0, local_f[0]);
+  const Eigen::Vector2d y = local_f.tail<2>() - local_w.tail<2>() / block.friction_stiffness;
+  const double length = y.norm();
+  pushing.slides = length > pushing.radius || contact.friction == 0;
+  if (!pushing.slides) return pushing;
+  if (length > 0) pushing.direction = y / length, pushing.share = pushing.radius / length;
+  pushing.right_side.tail<2>() = -block.friction_stiffness * (local_f.tail<2>() - pushing.radius * pushing.direction);
+  return pushing;
+}
+
+// the rows of a pushing contact: motions by the change of another one's force, in both frames
+Matrix3d rows_of(const Pushing& to, const Matrix3d& motions) {
+  Matrix3d rows = motions;
+  if (!to.slides) return rows;
+  const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - to.direction * to.direction.transpose();
+  rows.bottomRows<2>() = to.share * across * motions.bottomRows<2>();
+  return rows;
+}
+
+// and what its own force adds to them where it slides
+void add_own(const Pushing& to, const ContactRow& contact, const ContactBlock& own, Eigen::Ref<Matrix3d> rows) {
+  rows(0, 0) += kept_compliance * own.normal_stiffness;
+  if (!to.slides) {
+    rows.bottomRightCorner<2, 2>().diagonal().array() += kept_compliance * own.friction_stiffness;
+    return;
+  }
+  const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - to.direction * to.direction.transpose();
+  rows.bottomRightCorner<2, 2>() += own.friction_stiffness * (Eigen::Matrix2d::Identity() - to.share * across);
+  rows.bottomLeftCorner<2, 1>() -= own.friction_stiffness * contact.friction * to.direction;
+}
+
+// the contacts that push; the forces of all others become zero
+std::vector<Pushing> find_pushing(const ContactProblem& problem, ContactState& state) {
+  std::vector<int> pushing;
+  for (int i = 0; i < problem.count(); ++i) {
+    const Vector3d w = motion_of(problem, state, i), force = state.forces.segment<3>(3 * i);
+    const Vector3d& n = problem.contacts[i].normal;
+    const bool pushes = n.dot(force) > (n.dot(w) + problem.contacts[i].bias) / problem.blocks[i].normal_stiffness;
+    if (pushes)
+      pushing.push_back(i);
+    else
+      state.forces.segment<3>(3 * i).setZero();
+  }
+  state.motions = motions_of(problem, state.forces);
+  std::vector<Pushing> all;
+  for (const int i : pushing) {
+    all.push_back(
+        classify(problem.contacts[i], problem.blocks[i], motion_of(problem, state, i), state.forces.segment<3>(3 * i)));
+    all.back().contact = i;
+  }
+  return all;
+}
+
+Vector3d within_cone(const ContactRow& contact, const Vector3d& force) {
+  const double normal = std::max(0.0, contact.normal.dot(force));
+  return normal * contact.normal +
+         project_to_disc(force - contact.normal.dot(force) * contact.normal, contact.friction * normal);
+}
+
+// One Newton step on the natural map of all contacts; false where there is none. Forces may leave their cones.
+bool newton_step(const ContactProblem& problem, ContactState& state) {
+  const std::vector<Pushing> pushing = find_pushing(problem, state);
+  if (pushing.empty() || pushing.size() > most_in_newton) return false;
+  const auto size = 3 * Eigen::Index(pushing.size());
+  MatrixXd M(size, size);
+  VectorXd right(size);
+  for (Eigen::Index i = 0; 3 * i < size; ++i) {
+    const Pushing& to = pushing[std::size_t(i)];
+    right.segment<3>(3 * i) = to.right_side;
+    for (Eigen::Index j = 0; 3 * j < size; ++j) {
+      const Pushing& from = pushing[std::size_t(j)];
+      M.block<3, 3>(3 * i, 3 * j) =
+          rows_of(to, to.frame.transpose() * block(problem.delassus, to.contact, from.contact) * from.frame);
+    }
+    add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], M.block<3, 3>(3 * i, 3 * i));
+  }
+  const VectorXd change = M.partialPivLu().solve(right);
+  if (!change.allFinite()) return false;
+  for (std::size_t i = 0; i < pushing.size(); ++i)
+    state.forces.segment<3>(3 * pushing[i].contact) += pushing[i].frame * change.segment<3>(3 * Eigen::Index(i));
+  state.motions = motions_of(problem, state.forces);
+  return true;
+}
+
+// The state with its forces in their cones.
+ContactState in_cones(const ContactProblem& problem, ContactState state) {
+  for (int i = 0; i < problem.count(); ++i)
+    state.forces.segment<3>(3 * i) = within_cone(problem.contacts[i], state.forces.segment<3>(3 * i));
+  state.motions = motions_of(problem, state.forces);
+  return state;
+}
+
+// A few Newton steps, as far as they leave less than there was: the sets of contacts that push and slide settle on the way.
+// Was one kept?
+bool try_newton(const ContactProblem& problem, double tolerance, ContactState& state) {
+  ContactState next = state;
+  double least = what_is_left(problem, state), before = std::numeric_limits<double>::infinity();
+  bool kept = false;
+  for (int iteration = 0; iteration < newton_steps && least > tolerance && newton_step(problem, next); ++iteration) {
+    ContactState candidate = in_cones(problem, next);
+    const double left = what_is_left(problem, candidate);
+    if (!(left < before)) break;  // the first may leave more, while sets change
+    before = left;
+    if (!(left < least)) continue;
+    least = left;
+    state = std::move(candidate);
+    kept = true;
+  }
+  return kept;
+}
+
+}  // namespace
+
+GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
+                                 const GaussSeidelOptions& options, VectorXd& forces) {
+  ContactProblem problem{delassus, contacts, q, {}};
+  for (int i = 0; i < problem.count(); ++i)
+    problem.blocks.push_back(make_contact_block(block(delassus, i, i), contacts[i].normal));
+  ContactState state{forces, motions_of(problem, forces)};
+  GaussSeidelResult result;
+  int between = sweeps_between, next_try = between;
+  while (!result.converged && result.sweeps < options.max_sweeps) {
+    ++result.sweeps;
+    result.converged = sweep(problem, state).are_within(options.tolerance);
+    if (result.converged || result.sweeps < next_try) continue;
+    if (!try_newton(problem, options.tolerance, state)) between *= 2;
+    next_try = result.sweeps + between;
+  }
+  forces = state.forces;
+  return result;
+}
+
+}  // namespace umax

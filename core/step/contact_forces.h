@@ -1,0 +1,22 @@
+// Forces of frictional contacts whose motions are W f + q (core/step/delassus.h), in the bodies' exact compliance.
+//
+// Projected Gauss-Seidel (core/contact/gauss_seidel.h) finds which contacts push, stick and slide, but creeps where they
+// depend on each other: two thousand sweeps may not settle a pile. Every few sweeps a semi-smooth Newton step on all that
+// push is tried (Alart and Curnier 1991, A mixed formulation for frictional contact problems prone to Newton like
+// solution methods), and kept if what is left falls. Where the sets are right, one step is the solution.
+//
+// Natural map   n: f_n - max(0, f_n - (w_n + b) / k_n);   t: f_t - disc(f_t - w_t / k_t; mu f_n)
+//
+// f, w: force [N] and motion [m], n and t their normal and tangential parts;  b: bias [m];  k: compliance of the contact
+// itself [m/N];  disc(y; r): nearest point of the disc |y| <= r
+#pragma once
+
+#include "core/step/delassus.h"
+
+namespace umax {
+
+/// Improves the forces in place. contacts: #C; q, forces: 3 #C. Sweeps count; Newton steps are not sweeps.
+GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
+                                 const GaussSeidelOptions& options, VectorXd& forces);
+
+}  // namespace umax

@@ -1,0 +1,100 @@
+// Contact forces by sweeps and Newton steps, against sweeps alone on the same problem as one dense matrix.
+#include "core/step/contact_forces.h"
+
+#include "tests/support/catch.h"
+#include "tests/support/hex_samples.h"
+
+using namespace umax;
+using namespace umax::test;
+
+namespace {
+
+// Contacts of two bodies with each other, as compliances of random points; some nearly alike, as where both surfaces'
+// vertices touch at one place.
+Delassus random_delassus(Random& random, int count, double alikeness) {
+  Delassus delassus;
+  delassus.bodies.resize(2);
+  for (int i = 0; i < count; ++i)
+    for (int body = 0; body < 2; ++body) {
+      delassus.sides.push_back({body, i, body == 0 ? 1.0 : -1.0});
+      delassus.bodies[std::size_t(body)].points.push_back({});
+      if (body == 1) delassus.first_side.push_back(int(delassus.sides.size()));
+    }
+  for (BodyDelassus& body : delassus.bodies) {
+    MatrixXd half(4 * count, 3 * count);
+    for (double& value : half.reshaped()) value = random.uniform(-1, 1);
+    for (int i = 1; i < count; i += 3)
+      half.middleCols<3>(3 * i) = alikeness * half.middleCols<3>(3 * i - 3) + (1 - alikeness) * half.middleCols<3>(3 * i);
+    body.W = half.transpose() * half;
+  }
+  return delassus;
+}
+
+struct Sample {
+  Delassus delassus;
+  std::vector<ContactRow> rows;
+  VectorXd q;
+};
+
+Sample random_sample(int seed, int count, double alikeness) {
+  Random random(seed);
+  Sample sample{random_delassus(random, count, alikeness), {}, VectorXd(3 * count)};
+  for (int i = 0; i < count; ++i) {
+    const Vector3d normal = Vector3d(random.uniform(-0.3, 0.3), 1, random.uniform(-0.3, 0.3)).normalized();
+    sample.rows.push_back({normal, i % 4 == 0 ? 0.0 : 0.5, 0});
+    sample.q.segment<3>(3 * i) = Vector3d(random.uniform(-1, 1), random.uniform(-2, 0.5), random.uniform(-1, 1));
+  }
+  return sample;
+}
+
+// the largest violation of Signorini and Coulomb, each in its own unit
+double violation(const Sample& sample, const VectorXd& forces) {
+  const VectorXd w = dense(sample.delassus) * forces + sample.q;
+  double worst = 0;
+  for (std::size_t i = 0; i < sample.rows.size(); ++i) {
+    const ContactRow& row = sample.rows[i];
+    const Vector3d f = forces.segment<3>(3 * Eigen::Index(i)), v = w.segment<3>(3 * Eigen::Index(i));
+    const double fn = row.normal.dot(f), vn = row.normal.dot(v) + row.bias;
+    const Vector3d ft = f - fn * row.normal, vt = v - row.normal.dot(v) * row.normal;
+    worst = std::max({worst, -fn, -vn, std::min(fn, vn), ft.norm() - row.friction * fn});
+    // friction opposes sliding with all its force, or nothing slides
+    const double missing = (row.friction * fn * vt + ft * vt.norm()).norm();
+    worst = std::max(worst, missing);
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("contact forces obey Signorini and Coulomb, also where contacts are nearly the same") {
+  const double alikeness = GENERATE(0.0, 0.9, 0.999);
+  const int seed = GENERATE(1, 2, 3, 4);
+  CAPTURE(alikeness, seed);
+  const Sample sample = random_sample(seed, 24, alikeness);
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  const GaussSeidelResult result =
+      solve_contacts(sample.delassus, sample.rows, sample.q, {.max_sweeps = 2000, .tolerance = 1e-10}, forces);
+  CHECK(result.converged);
+  CHECK(violation(sample, forces) < 1e-6);
+}
+
+TEST_CASE("Newton steps settle in tens of sweeps what sweeps alone do not in thousands") {
+  const Sample sample = random_sample(7, 24, 0.999);
+  const GaussSeidelOptions options{.max_sweeps = 2000, .tolerance = 1e-10};
+  VectorXd forces = VectorXd::Zero(sample.q.size()), swept = forces;
+  const GaussSeidelResult with_newton = solve_contacts(sample.delassus, sample.rows, sample.q, options, forces);
+  const GaussSeidelResult alone = gauss_seidel({dense(sample.delassus), sample.q, sample.rows, 0}, options, swept);
+  CAPTURE(with_newton.sweeps, alone.sweeps);
+  CHECK(with_newton.converged);
+  CHECK(alone.sweeps > 5 * with_newton.sweeps);
+  CHECK(violation(sample, forces) < 1e-6);
+}
+
+TEST_CASE("forces that are right stay as they are") {
+  const Sample sample = random_sample(11, 12, 0);
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  solve_contacts(sample.delassus, sample.rows, sample.q, {.tolerance = 1e-12}, forces);
+  const VectorXd before = forces;
+  CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, {.tolerance = 1e-9}, forces).sweeps == 1);
+  CHECK((forces - before).norm() <= 1e-9 * before.norm());
+}
