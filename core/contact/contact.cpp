@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/parallel.h"
+#include "core/contact/clearances.h"
 #include "core/contact/contact_detection.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/edge_contact.h"
@@ -164,27 +165,6 @@ Contact make_surface_contact(const Model& model, int vertex, int hex, int other_
   return contact;
 }
 
-ContactGeometry make_contact_geometry(const Model& model) {
-  ContactGeometry geometry;
-  geometry.hex_starts.assign(model.num_hexes() + 1, 0);
-  for (Eigen::Index p = 0; p < model.surface.size(); ++p) ++geometry.hex_starts[model.surface.hex[p] + 1];
-  for (Eigen::Index e = 0; e < model.num_hexes(); ++e) geometry.hex_starts[e + 1] += geometry.hex_starts[e];
-  geometry.hex_points.resize(model.surface.size());
-  std::vector<int> next(geometry.hex_starts.begin(), geometry.hex_starts.end() - 1);
-  for (Eigen::Index p = 0; p < model.surface.size(); ++p) geometry.hex_points[next[model.surface.hex[p]]++] = int(p);
-
-  double cell_size = std::numeric_limits<double>::infinity();
-  for (const Model::BodyRange& body : model.bodies) cell_size = std::min(cell_size, body.cell_size);
-  for (const Obstacle& obstacle : model.obstacles) {
-    geometry.edges.push_back(edge_points(obstacle.shape, cell_size / 6));
-  }
-  geometry.touchable = find_touchable(model);
-  std::vector<bool> touches(model.bodies.size());
-  for (std::size_t b = 0; b < touches.size(); ++b) touches[b] = !geometry.touchable.surfaces[b].empty();
-  geometry.clusters = cluster_vertices(model, geometry.hex_starts, geometry.hex_points, touches);
-  return geometry;
-}
-
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
                                const Points& expected, double time_t0, double time_step, double gravity) {
   ContactStep step;
@@ -197,8 +177,10 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   }
   for (const Model::BodyRange& body : model.bodies)
     step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
+  step.clearances = std::make_shared<Clearances>();
   if (geometry.touchable.any())
-    step.encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin);
+    step.clearances->encounters =
+        find_encounters(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin);
   return step;
 }
 

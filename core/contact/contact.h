@@ -84,21 +84,27 @@ struct ContactGeometry {
 };
 ContactGeometry make_contact_geometry(const Model& model);
 
+/// Of the model's part_of() some bodies (ascending), taken over from the model's own.
+ContactGeometry part_of(const Model& model, const ContactGeometry& geometry, const Model& part,
+                        const std::vector<int>& bodies);
+
 /// The one way out of a body for all vertices of another that starts deep inside it: each one's nearest might be any side.
 struct WayOut {
   Vector3d direction{0, 1, 0};  // world, unit
   double depth = 0;             // [m] of the deepest vertex of the two
 };
 
+struct Clearances;
+
 /// What detection needs during one step.
 struct ContactStep {
   const Model* model = nullptr;
   const ContactGeometry* geometry = nullptr;
-  std::vector<Pose> poses_t0, poses_t1;  // per obstacle
-  Points positions_t0;                   // #N x 3 [m]
-  std::vector<double> recovery;          // per body [m] by which a start in penetration is pushed out in this step
-  bool surfaces_touch = true;            // false: obstacles alone are touched
-  Encounters encounters;                 // of hexes, where the bodies are expected
+  std::vector<Pose> poses_t0, poses_t1;    // per obstacle
+  Points positions_t0;                     // #N x 3 [m]
+  std::vector<double> recovery;            // per body [m] by which a start in penetration is pushed out in this step
+  bool surfaces_touch = true;              // false: obstacles alone are touched
+  std::shared_ptr<Clearances> clearances;  // what searches remember; never decides what they find
   std::map<std::pair<int, int>, WayOut> ways_out;  // of the first body's vertices out of the second
 };
 /// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.

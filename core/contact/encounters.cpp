@@ -58,8 +58,10 @@ bool is_nearly_rigid(const Model& model, const Model::BodyRange& body, const Poi
   return farthest <= std::pow(nearly_rigid * body.cell_size, 2);
 }
 
-// of the surfaces that vertices may touch, those whose bodies come near theirs; by: [m] that boxes are grown
-Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, const Points& positions, double by) {
+// of the surfaces that vertices may touch, those whose bodies come near theirs, where one of the two is wanted; by: [m] that
+// boxes are grown
+Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, const Points& positions, double by,
+                       const std::vector<char>& wanted) {
   std::vector<Eigen::AlignedBox3d> boxes(model.bodies.size());
   for (std::size_t b = 0; b < boxes.size(); ++b) {
     const auto nodes = positions.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes);
@@ -68,8 +70,10 @@ Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, con
   Surfaces near(model.bodies.size());
   for (std::size_t b = 0; b < near.size(); ++b)
     for (const int other : touchable.surfaces[b])
-      if (int(b) == other ? !is_nearly_rigid(model, model.bodies[b], positions)
-                          : grown(boxes[b], by).intersects(boxes[other]))
+      if (!wanted[b] && !wanted[std::size_t(other)])
+        continue;
+      else if (int(b) == other ? !is_nearly_rigid(model, model.bodies[b], positions)
+                               : grown(boxes[b], by).intersects(boxes[other]))
         near[b].push_back(other);
   return near;
 }
@@ -220,11 +224,16 @@ std::vector<HexBounds> bound_hexes(const Model& model, const TouchableBodies& to
 
 Encounters find_encounters(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                            const Points& positions, double margin) {
+  return find_encounters_of(model, touchable, hex_starts, positions, margin, std::vector<char>(model.bodies.size(), 1));
+}
+
+Encounters find_encounters_of(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                              const Points& positions, double margin, const std::vector<char>& wanted) {
   assert(margin <= largest_margin);
   Encounters encounters{positions, {}};
   std::vector<std::vector<Encounter>> of_blocks(num_blocks(model));
   const double of_others = margin * largest_cell(model);  // theirs is in the box of the hex
-  const Surfaces near = near_surfaces(model, touchable, positions, 2 * of_others);
+  const Surfaces near = near_surfaces(model, touchable, positions, 2 * of_others, wanted);
   if (std::all_of(near.begin(), near.end(), [](const std::vector<int>& of) { return of.empty(); })) return encounters;
   const std::vector<HexBounds> bounds = bound_hexes(model, touchable, positions);
   visit_meetings(
@@ -241,13 +250,15 @@ Encounters find_encounters(const Model& model, const TouchableBodies& touchable,
   return encounters;
 }
 
-bool are_complete(const Model& model, const Encounters& encounters, const Points& positions, double margin) {
+std::vector<char> left_margin(const Model& model, const Encounters& encounters, const Points& positions,
+                              double margin) {
+  std::vector<char> left;
   for (const Model::BodyRange& body : model.bodies) {
     const auto moved = positions.middleRows(body.first_node, body.num_nodes) -
                        encounters.expected.middleRows(body.first_node, body.num_nodes);
-    if (!(moved.rowwise().squaredNorm().maxCoeff() <= std::pow(margin * body.cell_size, 2))) return false;
+    left.push_back(!(moved.rowwise().squaredNorm().maxCoeff() <= std::pow(margin * body.cell_size, 2)));
   }
-  return true;
+  return left;
 }
 
 std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touchable,

@@ -37,8 +37,12 @@ struct Encounters {
 Encounters find_encounters(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                            const Points& positions, double margin);
 
-/// Is every node within the margin [cells of its body] of where it was expected?
-bool are_complete(const Model& model, const Encounters& encounters, const Points& positions, double margin);
+/// The bodies of which a node is farther than the margin [cells] from where it was expected: #B.
+std::vector<char> left_margin(const Model& model, const Encounters& encounters, const Points& positions, double margin);
+
+/// Those alone in which one of the wanted bodies (#B) takes part.
+Encounters find_encounters_of(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
+                              const Points& positions, double margin, const std::vector<char>& wanted);
 
 /// [cells of the smaller] that two hexes may move against each other between two looks at what touches: less than their
 /// size, so that none passes another unseen.

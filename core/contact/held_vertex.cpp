@@ -29,13 +29,16 @@ Vector3d away_at(const Model& model, const Points& positions, const HeldVertex& 
 
 // What a vertex outside at X0 meets at X. One that is hardly inside may be at a side next to the one that it came in by: a body
 // that slides over vertices which it rests on comes upon them with its front.
-SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held, double tolerance) {
+// clear: as in Touch.
+SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held, double tolerance, double& clear) {
   const SurfaceHit nearest = nearest_within(surface, held.X, held.bounds);
   if (nearest.triangle < 0) return nearest;
   const bool is_inside = nearest.distance < 0;
-  if (!is_inside && nearest.distance > held.moved) return nearest;
-  const int entered = first_entered(surface, held.X0, held.X);
-  if (!is_inside && entered < 0) return nearest;
+  const int entered = !is_inside && nearest.distance > held.moved ? -1 : first_entered(surface, held.X0, held.X);
+  if (!is_inside && entered < 0) {
+    clear = nearest.distance;
+    return nearest;
+  }
   const Vector3d side = entered < 0 ? nearest_within(surface, held.X0).normal
                                     : Vector3d(surface.triangle_normals.row(entered).transpose());
   const double alikeness = surface.triangle_normals.row(nearest.triangle).dot(side.transpose());
@@ -103,12 +106,13 @@ Touch measure(const Model& model, const HeldVertex& held, const WayOut* way) {
   const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
   const double tolerance = tolerance_between(model, held.vertex.hex, held.other.hex);
   SurfaceHit hit;
+  double clear = -anywhere;
   if (way && !is_outside(surface, held.X0, at_surface * tolerance)) hit = hit_along(model, held, held.X, *way);
   if (hit.triangle < 0)
     hit = was_inside(model, surface, held) ? nearest_within(surface, held.X, held.bounds)  // the nearest way out
-                                           : hit_from_outside(surface, held, tolerance);
+                                           : hit_from_outside(surface, held, tolerance, clear);
   const Vector3d pushed = pushed_forward(model, held, hit.normal);
-  return {hit.distance / pushed.norm(), pushed.normalized()};
+  return {hit.distance / pushed.norm(), pushed.normalized(), clear};
 }
 
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {

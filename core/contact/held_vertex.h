@@ -21,6 +21,7 @@ struct HeldVertex {
 struct Touch {
   double gap = 0;  // [m]
   Vector3d normal = Vector3d::UnitY();
+  double clear = 0;  // [m] at rest: the vertex is outside by that, and has not come through; -infinity: it is not
 };
 
 /// [penetration tolerances] of a vertex that counts as outside what it touches.

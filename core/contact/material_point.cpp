@@ -8,17 +8,52 @@
 namespace umax {
 namespace {
 
-// local coordinates s with sum_n N_n(s) x_n = point; false if |s| > reach
-bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, double reach, Vector3d& s) {
+constexpr double settled = 1e-8;  // [-] change of a local coordinate, beyond which Newton's method has its square left
+
+// The trilinear map of a hex as a polynomial: the columns are the factors of 1, s0, s1, s2, s1 s2, s0 s2, s0 s1, s0 s1 s2.
+using Trilinear = Eigen::Matrix<double, 3, 8>;
+
+double sign_of(int corner, int axis) {
+  return corner & (4 >> axis) ? 1 : -1;
+}
+
+Eigen::Matrix<double, 8, 8> polynomial_of_corners() {
+  Eigen::Matrix<double, 8, 8> factors;
+  for (int n = 0; n < 8; ++n) {
+    const double a = sign_of(n, 0), b = sign_of(n, 1), c = sign_of(n, 2);
+    factors.row(n) << 1, a, b, c, b * c, a * c, a * b, a * b * c;
+  }
+  return factors / 8;
+}
+
+Trilinear trilinear(const Matrix8x3d& nodes) {
+  static const Eigen::Matrix<double, 8, 8> factors = polynomial_of_corners();
+  return nodes.transpose() * factors;
+}
+
+Vector3d place(const Trilinear& map, const Vector3d& s) {
+  return map.col(0) + s[0] * map.col(1) + s[1] * map.col(2) + s[2] * map.col(3) + s[1] * s[2] * map.col(4) +
+         s[0] * s[2] * map.col(5) + s[0] * s[1] * map.col(6) + s[0] * s[1] * s[2] * map.col(7);
+}
+
+Matrix3d gradient(const Trilinear& map, const Vector3d& s) {
+  Matrix3d columns;
+  columns.col(0) = map.col(1) + s[2] * map.col(5) + s[1] * map.col(6) + s[1] * s[2] * map.col(7);
+  columns.col(1) = map.col(2) + s[2] * map.col(4) + s[0] * map.col(6) + s[0] * s[2] * map.col(7);
+  columns.col(2) = map.col(3) + s[1] * map.col(4) + s[0] * map.col(5) + s[0] * s[1] * map.col(7);
+  return columns;
+}
+
+// local coordinates of the point in the map; false if one is beyond reach
+bool invert(const Trilinear& map, const Vector3d& point, double reach, Vector3d& s) {
   s.setZero();
   for (int iteration = 0; iteration < 20; ++iteration) {
-    const Vector3d residual = nodes.transpose() * shape_functions(s) - point;
-    const Matrix3d jacobian = nodes.transpose() * shape_gradients(s);
+    const Matrix3d jacobian = gradient(map, s);
     if (!(std::abs(jacobian.determinant()) > 0)) return false;
-    const Vector3d change = jacobian.inverse() * residual;
+    const Vector3d change = jacobian.inverse() * (place(map, s) - point);
     s -= change;
     if (!(s.cwiseAbs().maxCoeff() < 4)) return false;
-    if (change.cwiseAbs().maxCoeff() < 1e-12) return s.cwiseAbs().maxCoeff() <= reach;
+    if (change.cwiseAbs().maxCoeff() < settled) return s.cwiseAbs().maxCoeff() <= reach;
   }
   return false;
 }
@@ -27,15 +62,14 @@ bool invert_trilinear(const Matrix8x3d& nodes, const Vector3d& point, double rea
 
 bool find_material(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach,
                    MaterialPoint& material) {
-  const Matrix8x3d nodes = hex_nodes(model, positions, hex);
+  const Trilinear map = trilinear(hex_nodes(model, positions, hex));
   Vector3d s;
-  if (!invert_trilinear(nodes, point, reach, s)) return false;
-  const Matrix8x3d rest = hex_nodes(model, model.rest_positions, hex);
-  const Matrix8x3d gradients = shape_gradients(s);
-  const Matrix3d F = (nodes.transpose() * gradients) * (rest.transpose() * gradients).inverse();
+  if (!invert(map, point, reach, s)) return false;
+  const Trilinear rest = trilinear(hex_nodes(model, model.rest_positions, hex));
+  const Matrix3d F = gradient(map, s) * gradient(rest, s).inverse();
   if (!(F.determinant() > 0)) return false;
   material.weights = shape_functions(s);
-  material.rest = rest.transpose() * material.weights;
+  material.rest = place(rest, s);
   material.F_inverse = F.inverse();
   return true;
 }
@@ -67,12 +101,16 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   return bounds;
 }
 
-bool may_hold(const HexBounds& bounds, const Vector3d& point, double radius) {
-  if (bounds.box.squaredExteriorDistance(point) > radius * radius) return false;
-  if (!std::isfinite(bounds.local_error)) return true;
+double distance_from(const HexBounds& bounds, const Vector3d& point) {
+  const double squared = bounds.box.squaredExteriorDistance(point);
+  if (squared > 0 || !std::isfinite(bounds.local_error)) return std::sqrt(squared);
+  double distance = 0;
   const Vector3d local = bounds.local_from_world * (point - bounds.centre);
-  const double error = bounds.local_error + (radius > 0 ? bounds.local_from_world.norm() * radius : 0);
-  return local.cwiseAbs().maxCoeff() <= within_hex + error;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double beyond = std::abs(local[axis]) - (within_hex + bounds.local_error);
+    if (beyond > 0) distance = std::max(distance, beyond / bounds.local_from_world.row(axis).norm());
+  }
+  return distance;
 }
 
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by) {

@@ -34,8 +34,8 @@ struct HexBounds {
 };
 HexBounds bound_hex(const Model& model, const Points& positions, int hex);
 
-/// May the hex hold the point, or one within a radius of it [m]?
-bool may_hold(const HexBounds& bounds, const Vector3d& point, double radius = 0);
+/// How far [m] the point is at least from where the hex may hold points; 0: it may hold this one.
+double distance_from(const HexBounds& bounds, const Vector3d& point);
 
 /// May the hex hold a point of another hex with these nodes, if all nodes of both move by no more than `by` [m]?
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by);

@@ -23,7 +23,6 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "core/contact/overlap.h"
 
 namespace umax {
 
@@ -51,17 +50,5 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
 /// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap
 /// and normal stay.
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact);
-
-/// Is one of the contacts' vertices deep inside a body at the step's start?
-bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts);
-
-/// The ways out of bodies that are deep inside each other at the step's start, where most of their vertices agree on one.
-std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step);
-
-/// Bodies that are inside others or themselves, of those that may touch, by a and b. hex_starts as in ContactGeometry.
-std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& geometry, const Points& positions);
-
-/// Depth [m] of the deepest vertex inside another body or a far part of its own; 0: none is.
-double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions);
 
 }  // namespace umax

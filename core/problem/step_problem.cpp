@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/contact/surface_contact.h"
+#include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
 
 namespace umax {

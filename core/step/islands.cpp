@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/groups.h"
+#include "core/contact/clearances.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
 
@@ -64,7 +65,7 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
     }
   ContactStep step =
       begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0);
-  std::erase_if(step.encounters.all, [&](const Encounter& encounter) {  // what was solved together
+  std::erase_if(step.clearances->encounters.all, [&](const Encounter& encounter) {  // what was solved together
     return island_of[model.hex_body[encounter.hex]] == island_of[encounter.body];
   });
   for (const Contact& contact : surface_candidates(step, start.positions, end.positions, 1)) {
@@ -79,8 +80,7 @@ std::unique_ptr<Island> make_island(const Model& model, const ContactGeometry& g
   auto island = std::make_unique<Island>();
   island->bodies = bodies;
   island->model = part_of(model, bodies);
-  island->workspace.contact_geometry = make_contact_geometry(island->model);
-  island->workspace.contact_geometry.edges = geometry.edges;  // sampled for the smallest cells of all
+  island->workspace.contact_geometry = part_of(model, geometry, island->model, bodies);
   island->workspace.bodies.resize(bodies.size());
   return island;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/contact/surface_contact.h"
+#include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
 #include "core/step/exact_step.h"

@@ -1,0 +1,108 @@
+// Vertices of hexes that have come into hexes of a body: which ones may touch it, and which one is deepest.
+#pragma once
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/base/parallel.h"
+#include "core/contact/clearances.h"
+#include "core/contact/contact_detection.h"
+#include "core/contact/held_vertex.h"
+#include "core/contact/material_point.h"
+
+namespace umax {
+
+/// What a search at some positions goes through. Knows the step's clearances.
+struct Search {
+  const ContactStep& step;
+  const Points& positions;
+  Clearances& clearances;
+  std::vector<HexBounds> bounds;  // #E
+};
+Search search_at(const ContactStep& step, const Points& positions);
+
+/// A step in which nothing moves.
+ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
+/// A hex of the touched body as its vertices' hex sees it.
+struct OtherHex {
+  int hex = 0;
+  const HexBounds* bounds = nullptr;
+  double largest_move = 0;  // [m] of the vertices' hex against this one since its vertices were outside, at rest
+};
+
+/// A hex whose vertices may be in hexes of a body, at the positions of a search.
+struct Meeting {
+  const Model& model;
+  const VertexClusters& clusters;
+  const Points &apart, &positions;
+  const Model::BodyRange& body;
+  int hex = 0;
+  Matrix8x3d nodes;
+  const WayOut* way = nullptr;
+  std::vector<OtherHex> others;
+  std::vector<int>
+      near;  // of the hex's vertices in VertexClusters::points, from its first one on: those that may touch,
+             // the ones that were deepest first
+  Clearances::OfEncounter& clearance;
+};
+
+/// Of the search's encounter i. apart: where vertices were last outside.
+Meeting meet(const Search& search, const LastApart& apart, std::size_t i);
+
+/// Is the meeting's vertex k in one of the other hexes, and inside the surface there or perhaps come through it? If not,
+/// how far it is from that is remembered.
+bool find_held(const Meeting& meeting, int k, HeldVertex& held);
+
+/// Calls visit(vertex, held) for each vertex for which find_held().
+template <class Visit>
+void visit_held(const Meeting& meeting, const Visit& visit) {
+  HeldVertex held;
+  const int first = meeting.clusters.all[std::size_t(meeting.clusters.hex_starts[meeting.hex])].first;
+  for (const int k : meeting.near)
+    if (find_held(meeting, k, held)) visit(meeting.clusters.points[std::size_t(first + k)], held);
+}
+
+/// The deepest vertex of those with gaps below `below`; point -1: there is none.
+struct DeepestVertex {
+  int point = -1;
+  double gap = 0;  // [m] beyond what is allowed
+  HeldVertex held;
+  Touch touch;
+};
+
+/// deep(held): [m] that is allowed anyway. Vertices of which bounds say that they are not as deep get no closer look.
+template <class Deep>
+DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& deep) {
+  DeepestVertex deepest;
+  deepest.gap = below;
+  if (meeting.near.empty()) return deepest;
+  const double tie = tied_depth(meeting.model, meeting.hex);
+  const int first = meeting.clusters.all[std::size_t(meeting.clusters.hex_starts[meeting.hex])].first;
+  HeldVertex held;
+  for (const int k : meeting.near) {
+    if (!find_held(meeting, k, held)) continue;
+    const double most = deepest.gap + tie;
+    if (!meeting.way && least_gap(held) > most) continue;
+    const Touch touch = measure(meeting.model, held, meeting.way);
+    meeting.clearance.until[std::size_t(k)] = meeting.clearance.way + std::min(touch.gap, touch.clear);
+    if (touch.gap > most) continue;
+    const double gap = touch.gap + deep(held);
+    const int point = meeting.clusters.points[std::size_t(first + k)];
+    const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
+    if (is_tied ? point < deepest.point : gap < deepest.gap) deepest = {point, gap, held, touch};
+  }
+  return deepest;
+}
+
+/// Calls visit(i, encounter i) in parallel.
+template <class Visit>
+void for_each_encounter(const Search& search, const Visit& visit) {
+  const std::vector<Encounter>& encounters = search.clearances.encounters.all;
+  parallel_blocks(Eigen::Index(encounters.size()), 1, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) visit(std::size_t(i), encounters[std::size_t(i)]);
+  });
+}
+
+}  // namespace umax

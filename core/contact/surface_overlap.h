@@ -1,0 +1,25 @@
+// Bodies that are inside each other: how deep, and the way by which they leave.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/contact/overlap.h"
+
+namespace umax {
+
+/// Bodies that are inside others or themselves, of those that may touch, by a and b.
+std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
+/// Depth [m] of the deepest vertex inside another body or a far part of its own; 0: none is.
+double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
+/// Is one of the contacts' vertices deep inside a body at the step's start?
+bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts);
+
+/// The ways out of bodies that are deep inside each other at the step's start, where most of their vertices agree on one.
+std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step);
+
+}  // namespace umax

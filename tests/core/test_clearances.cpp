@@ -1,0 +1,100 @@
+// What a search for contacts keeps from one look to the next, and what a part of a model takes over from the whole.
+#include "core/contact/clearances.h"
+#include "core/contact/contact_support.h"
+#include "core/contact/surface_contact.h"
+#include "tests/support/catch.h"
+#include "tests/support/hex_samples.h"
+#include "tests/support/touchable.h"
+
+using namespace umax;
+using namespace umax::test;
+
+namespace {
+
+ContactStep fresh_step(const Model& model, const ContactGeometry& geometry, const Points& start,
+                       const Points& expected) {
+  return begin_contact_step(model, geometry, start, expected, 0, 1e3, 0);
+}
+
+bool are_equal(const std::vector<Contact>& a, const std::vector<Contact>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Contact& one, const Contact& other) {
+    return one.point == other.point && one.other.hex == other.other.hex && one.gap == other.gap &&
+           one.normal == other.normal && one.friction == other.friction;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a search that remembers finds what one finds that begins anew, wherever bodies go") {
+  const Body left = touchable_block("left", {3, 3, 3}, {0, 0, 0}, 0.1);
+  const Body right = touchable_ball("right", 4, {0.45, 0.15, 0.13}, 0.13);
+  const Body far = touchable_block("far", {2, 2, 2}, {0.05, 0.35, 0.05}, 0.1);
+  const Model model = make_model({left, right, far}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const Points rest = model.rest_positions;
+  const ContactStep remembering = fresh_step(model, geometry, rest, rest);
+  const double stride = GENERATE(1e-4, 2e-3, 2e-2);  // [m] a look; cells are 0.1 m
+  CAPTURE(stride);
+  Random random(17);
+  Points positions = rest;
+  const Model::BodyRange &ball = model.bodies[1], &block = model.bodies[2];
+  int most = 0;
+  for (int look = 0; look < 25; ++look) {
+    for (double& value : positions.reshaped()) value += random.uniform(-0.1, 0.1) * stride;
+    const double sign = look % 8 < 5 ? 1 : -1;  // it goes in, and sometimes back
+    positions.middleRows(ball.first_node, ball.num_nodes).col(0).array() -= sign * stride;
+    positions.middleRows(block.first_node, block.num_nodes).col(1).array() -= sign * stride;
+    const ContactStep anew = fresh_step(model, geometry, rest, positions);
+    const std::vector<Contact> found = surface_candidates(remembering, rest, positions, 0);
+    CAPTURE(look);
+    REQUIRE(are_equal(found, surface_candidates(anew, rest, positions, 0)));
+    most = std::max(most, int(found.size()));
+  }
+  if (stride > 1e-2) CHECK(most > 5);
+}
+
+TEST_CASE("looks at what has hardly moved are few") {
+  const Model model = make_model({touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1),
+                                  touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)},
+                                 {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  Points positions = model.rest_positions;
+  const ContactStep step = fresh_step(model, geometry, positions, positions);
+  surface_candidates(step, model.rest_positions, positions, 0);
+  positions.col(1).array() += 1e-6;
+  surface_candidates(step, model.rest_positions, positions, 0);
+  int near = 0, all = 0;
+  for (const Clearances::OfEncounter& of : step.clearances->of_encounters)
+    for (const double until : of.until) {
+      ++all;
+      near += !(until > of.way);
+    }
+  REQUIRE(all > 100);
+  CHECK(near * 20 < all);
+}
+
+TEST_CASE("a part of a model has the contact geometry that it would make by itself") {
+  const Model model = make_model({touchable_block("a", {2, 2, 2}, {0, 0, 0}, 0.1),
+                                  touchable_ball("b", 3, {0.6, 0.15, 0.13}, 0.13),
+                                  touchable_block("c", {3, 1, 2}, {1, 0, 0}, 0.1)},
+                                 {make_ground(0.5)});
+  const std::vector<int> bodies{1, 2};
+  const Model part = part_of(model, bodies);
+  const ContactGeometry taken = part_of(model, make_contact_geometry(model), part, bodies),
+                        made = make_contact_geometry(part);
+  CHECK(taken.hex_starts == made.hex_starts);
+  CHECK(taken.hex_points == made.hex_points);
+  CHECK(taken.touchable.surfaces == made.touchable.surfaces);
+  CHECK(taken.clusters.hex_starts == made.clusters.hex_starts);
+  CHECK(taken.clusters.points == made.clusters.points);
+  REQUIRE(taken.clusters.all.size() == made.clusters.all.size());
+  for (std::size_t c = 0; c < made.clusters.all.size(); ++c) {
+    CHECK(taken.clusters.all[c].first == made.clusters.all[c].first);
+    CHECK(taken.clusters.all[c].centre == made.clusters.all[c].centre);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    REQUIRE(taken.touchable.trees[b].nodes.size() == made.touchable.trees[b].nodes.size());
+    for (std::size_t n = 0; n < made.touchable.trees[b].nodes.size(); ++n)
+      CHECK(taken.touchable.trees[b].nodes[n].hex == made.touchable.trees[b].nodes[n].hex);
+  }
+}
