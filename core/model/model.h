@@ -87,7 +87,7 @@ struct Body {
   VectorXd young_factor;         // #E [-] of each hex on Young's modulus; empty: 1
   VectorXd limit_factor;         // #E [-] of each hex on its limits, whatever their unit; empty: 1
   Points fibre_directions;       // #E x 3 as fibre_direction, of each hex; empty: that one everywhere
-  EmbeddedPoints surface;        // the mesh's vertices in this lattice: contact candidates
+  EmbeddedPoints surface;        // in this lattice, contact candidates: the mesh's vertices, and points between them
   Points surface_rest;           // #P x 3 [m] their rest positions
   std::shared_ptr<const SampledDistance>
       rest_distance;  // of the rest surface; may be null: obstacle edges pass through
@@ -144,7 +144,7 @@ struct Model {
   std::vector<HexLimit> limits;  // #L grouped by hex; of a hex whole, volumetric, deviatoric, fibre, points ascending
   VectorXi limit_starts;         // #E + 1 the limits of hex e: limit_starts[e] ... limit_starts[e + 1] - 1
   std::vector<Matrix24d> limit_forms;  // K' of limited parts and points for unit Young's modulus, shared
-  EmbeddedPoints surface;              // all bodies' surface vertices; hex indices are global
+  EmbeddedPoints surface;              // all bodies' surface points; hex indices are global
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }

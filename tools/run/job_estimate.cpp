@@ -175,13 +175,15 @@ JobSize size_of(const Scene& scene, const std::vector<BodySetup>& caged) {
 JobSize size_of(const Simulation& simulation) {
   JobSize size;
   set_solver(plan_linear_solvers(simulation.model, simulation.options.solver), size);
-  for (const Model::BodyRange& body : simulation.model.bodies)
+  for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
+    const Model::BodyRange& body = simulation.model.bodies[i];
     size.bodies.push_back({.name = body.name,
                            .hexes = double(body.num_hexes),
                            .nodes = double(body.num_nodes),
                            .slots = multigrid_slots(body.cells),
-                           .vertices = double(body.num_points),
+                           .vertices = double(simulation.bodies[i].shape.mesh.num_vertices()),
                            .irregular = body.cells.rows() == 0});
+  }
   return size;
 }
 

@@ -24,7 +24,7 @@ std::string open_meshes(const Model& model, const std::vector<int>& bodies) {
 constexpr double deep_share = 0.05;  // of a body's vertices, more than which are no touch any more
 
 std::string text_of(const Model& model, const Overlap& overlap) {
-  return fmt::format("starts {:.4g} m deep inside {}, with {} of its {} vertices", overlap.depth,
+  return fmt::format("starts {:.4g} m deep inside {}, with {} of its {} surface points", overlap.depth,
                      overlap.a == overlap.b ? "itself" : "body." + model.bodies[overlap.b].name, overlap.vertices,
                      model.bodies[overlap.a].num_points);
 }

@@ -17,6 +17,7 @@
 #include "render/image/image_io.h"
 #include "tools/setup/body_contact.h"
 #include "tools/setup/body_maps.h"
+#include "tools/setup/contact_points.h"
 #include "tools/setup/limit_report.h"
 #include "tools/setup/named_error.h"
 
@@ -284,6 +285,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
     if (is_touched[bodies.size() - 1]) {
       bodies.back().rest_surface = rest_surface(setup.shape, library);
       bodies.back().rest_pose = rest_pose(setup.shape);
+      append(points_between_vertices(setup, bodies.back()), bodies.back().surface);
     }
     apply_maps(description, setup, bodies.back(), simulation.warnings);
   }
