@@ -10,13 +10,13 @@ namespace {
 
 constexpr double one_way = 0.3;  // [-] of the depths of vertices in a body, that their ways out have in common
 
-// Calls visit(i, touch) for each vertex of encounter i that is inside a body, in parallel by encounter.
+// Calls visit(i, vertex, touch) for each vertex of encounter i that is inside a body, in parallel by encounter.
 template <class Visit>
 void visit_inside(const Search& search, const Visit& visit) {
   for_each_encounter(search, [&](std::size_t i, const Encounter&) {
-    visit_held(meet(search, search.positions, i), [&](int, const HeldVertex& held) {
+    visit_held(meet(search, search.positions, i), [&](int vertex, const HeldVertex& held) {
       const Touch touch = measure(*search.step.model, held, nullptr);
-      if (touch.gap < 0) visit(i, touch);
+      if (touch.gap < 0) visit(i, vertex, touch);
     });
   });
 }
@@ -40,7 +40,7 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
   const Search search = search_at(step, positions);
   const std::vector<Encounter>& encounters = search.clearances.encounters.all;
   std::vector<Overlap> of_encounters(encounters.size());
-  visit_inside(search, [&](std::size_t i, const Touch& touch) {
+  visit_inside(search, [&](std::size_t i, int, const Touch& touch) {
     ++of_encounters[i].vertices;
     of_encounters[i].depth = std::max(of_encounters[i].depth, -touch.gap);
   });
@@ -55,6 +55,20 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
   std::vector<Overlap> overlaps;
   for (const auto& [bodies, sum] : sums) overlaps.push_back(sum);
   return overlaps;
+}
+
+VectorXd overlap_depths(const Model& model, const ContactGeometry& geometry, const Points& positions) {
+  VectorXd depths = VectorXd::Zero(model.surface.size());
+  if (!geometry.touchable.any()) return depths;
+  const ContactStep step = at_rest(model, geometry, positions);
+  const Search search = search_at(step, positions);
+  std::vector<std::vector<std::pair<int, double>>> of_encounters(search.clearances.encounters.all.size());
+  visit_inside(search, [&](std::size_t i, int vertex, const Touch& touch) {
+    of_encounters[i].emplace_back(vertex, -touch.gap);
+  });
+  for (const auto& vertices : of_encounters)
+    for (const auto& [vertex, depth] : vertices) depths[vertex] = std::max(depths[vertex], depth);
+  return depths;
 }
 
 double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions) {
@@ -86,7 +100,7 @@ std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step) {
   const Search search = search_at(rest, step.positions_t0);
   const std::vector<Encounter>& encounters = search.clearances.encounters.all;
   std::vector<WaySum> of_encounters(encounters.size());
-  visit_inside(search, [&](std::size_t i, const Touch& touch) {
+  visit_inside(search, [&](std::size_t i, int, const Touch& touch) {
     const Encounter& encounter = encounters[i];
     if (model.hex_body[encounter.hex] == encounter.body) return;
     const double tolerance = tolerance_between(model, encounter.hex, encounter.others.front());

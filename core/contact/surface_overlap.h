@@ -13,6 +13,9 @@ namespace umax {
 /// Bodies that are inside others or themselves, of those that may touch, by a and b.
 std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& geometry, const Points& positions);
 
+/// Depth [m] of each surface point in another body or a far part of its own; 0: outside. #P
+VectorXd overlap_depths(const Model& model, const ContactGeometry& geometry, const Points& positions);
+
 /// Depth [m] of the deepest vertex inside another body or a far part of its own; 0: none is.
 double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions);
 

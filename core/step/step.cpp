@@ -220,6 +220,13 @@ std::vector<Overlap> find_overlaps(const Model& model, const State& state) {
   return overlaps;
 }
 
+VectorXd overlap_depths(const Model& model, const State& state) {
+  VectorXd depths = overlap_depths(model, make_contact_geometry(model), state.positions);
+  for (Eigen::Index p = 0; p < depths.size(); ++p)
+    if (depths[p] <= tolerance_depth(model, model.surface.hex[p])) depths[p] = 0;
+  return depths;
+}
+
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state) {
   return largest_by_hex(model, limit_ratios(model, solver, materials_at(model, state.time), state.positions));
 }

@@ -59,6 +59,9 @@ StepReport measure(const Model& model, const StepOptions& options, const State& 
 /// Bodies inside each other at a state, deeper than what counts as touching.
 std::vector<Overlap> find_overlaps(const Model& model, const State& state);
 
+/// How deep each point of Model::surface is in another body or a far part of its own [m], 0 where it merely touches: #P.
+VectorXd overlap_depths(const Model& model, const State& state);
+
 /// U/U_max of each hex's worst limit (0 where it has none), freshly computed rotations: #E.
 VectorXd energy_ratios(const Model& model, const SolverOptions& solver, const State& state);
 

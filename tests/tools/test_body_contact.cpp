@@ -1,6 +1,9 @@
 // Which bodies of a scene touch each other, and what is said of those that cannot.
 #include "tools/setup/body_contact.h"
 
+#include <nlohmann/json.hpp>
+
+#include "render/image/image_io.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
@@ -105,4 +108,44 @@ TEST_CASE("a run counts its contacts by what is touched") {
     touching += values[6] != "0";
   }
   CHECK(touching > 3);
+}
+
+TEST_CASE("umax inspect --picture marks where bodies are inside each other") {
+  const TemporaryFolder folder;
+  const auto boxes = [](double x) {
+    return "[clip]\nframes = 2\n[body.a]\nshape = \"sphere\"\nradius = 0.2\nposition = [0, 1, 0]\ncage.cells = [4, 4, "
+           "4]\n"
+           "[body.b]\nshape = \"box\"\nsize = [0.3, 0.2, 0.2]\nposition = [" +
+           std::to_string(x) + ", 1, 0]\ncage.cells = [6, 4, 4]\n";
+  };
+  // [px] of the whole scene's view that are coloured, where bodies are grey; left and right ends of them
+  struct Coloured {
+    int count = 0, left = 640, right = 0;
+  };
+  const auto coloured = [&](double x, const std::string& name) {
+    const std::string scene = write_scene(folder, boxes(x), name + ".toml").string(),
+                      png = (folder / name).string() + ".png";
+    const ProcessResult result = umax_program({"inspect", scene, "--picture", "-o", png, "--json"});
+    INFO(result.messages);
+    REQUIRE(result.exit_code == 0);
+    CHECK(nlohmann::json::parse(result.output)["overlap_picture"] == png);
+    CHECK(exit_code_of({"inspect", scene, "--picture", "-o", png}) == 73);
+    CHECK(exit_code_of({"inspect", scene, "--picture", "--map", "limit", "-o", png, "--overwrite"}) == 2);
+    const Image8 picture = read_png8(png);
+    Coloured found;
+    for (int i = 0; i < 640 * 600; ++i) {
+      const std::uint8_t* pixel = picture.pixel(i % 640, 80 + i / 640);
+      const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
+      if (high - low < 60) continue;
+      ++found.count;
+      found.left = std::min(found.left, i % 640);
+      found.right = std::max(found.right, i % 640);
+    }
+    return found;
+  };
+  CHECK(coloured(0.5, "apart").count == 0);
+  const Coloured overlapping = coloured(0.3, "overlapping");  // from x = 0.15 to 0.2, of -0.2 to 0.45
+  CHECK(overlapping.count > 200);
+  CHECK(overlapping.left > 250);
+  CHECK(overlapping.right < 450);
 }

@@ -27,8 +27,8 @@ Table run_table() {
        .short_name = "-o",
        .value = "DIR",
        .description = "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; "
-                      "tune, fit: ./NAME-tune, ./NAME-fit); strip, inspect --map: the picture (./strip.png, "
-                      "./NAME-limit-map.png)",
+                      "tune, fit: ./NAME-tune, ./NAME-fit); strip, inspect --map, --picture: the picture (./strip.png, "
+                      "./NAME-limit-map.png, ./NAME-overlaps.png)",
        .target = &Options::output,
        .is_path = true},
       {.name = "--set",
@@ -41,7 +41,7 @@ Table run_table() {
        .target = &Options::frames},
       {.name = "--resume", .description = "go on with the folder's run where it stopped", .target = &Options::resume},
       {.name = "--overwrite",
-       .description = "replace the run that the folder holds; strip, inspect --map: the picture",
+       .description = "replace the run that the folder holds; strip, inspect --map, --picture: the picture",
        .target = &Options::overwrite},
       {.name = "--strict",
        .description = "end with exit code 75 when a step does not converge",
@@ -133,7 +133,10 @@ Table look_table() {
            .value = "limit|young",
            .description = "draw the factors on the limit or on Young's modulus, as maps and files of hexes give them",
            .target = &Options::map,
-           .choices = {"limit", "young"}}};
+           .choices = {"limit", "young"}},
+          {.name = "--picture",
+           .description = "draw where bodies are inside each other at the start, and how deep",
+           .target = &Options::picture}};
 }
 
 Table tune_table() {

@@ -34,6 +34,7 @@ struct Options {
   std::optional<long long> seed;
 
   std::optional<std::string> map;  // inspect: "limit" | "young"
+  bool picture = false;            // inspect: of bodies inside each other
 
   std::optional<std::string> height;  // "1.8 m": drop, turntable, inspect: of the mesh
   std::optional<std::string> unit;    // "cm", or metres as a number

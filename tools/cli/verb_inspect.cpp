@@ -18,6 +18,7 @@
 #include "tools/cli/run_input.h"
 #include "tools/cli/verb.h"
 #include "tools/pictures/map_picture.h"
+#include "tools/pictures/overlap_picture.h"
 #include "tools/run/run_folder.h"
 #include "tools/run/run_record.h"
 #include "tools/setup/body_maps.h"
@@ -269,7 +270,8 @@ Scene scene_of_input(const std::string& input, InputKind kind, const Options& op
 }
 
 void print_json(const std::string& input, InputKind kind, const Scene& scene, const std::vector<BodyReport>& reports,
-                const std::vector<std::string>& warnings, const std::optional<std::filesystem::path>& picture) {
+                const std::vector<std::string>& warnings, const std::optional<std::filesystem::path>& picture,
+                bool is_map) {
   nlohmann::ordered_json json;
   if (kind == InputKind::mesh) {
     json = to_json(reports.front());
@@ -280,24 +282,33 @@ void print_json(const std::string& input, InputKind kind, const Scene& scene, co
     json["problems"] = warnings;
     if (kind == InputKind::run) json["run"] = run_json(input);
   }
-  if (picture) json["map_picture"] = picture->string();
+  if (picture) json[is_map ? "map_picture" : "overlap_picture"] = picture->string();
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-/// Where the picture of --map goes; nothing without --map.
+/// Where the picture of --map or --picture goes; nothing without them.
 std::optional<std::filesystem::path> place_of_picture(const Scene& scene, const Options& options) {
-  if (!options.map) {
+  if (options.map && options.picture)
+    throw Error(Fault::usage, {.where = "--picture",
+                               .what = "is another picture than that of --map",
+                               .remedy = "draw them one after the other"});
+  if (!options.map && !options.picture) {
     if (!options.output && !options.overwrite) return std::nullopt;
     throw Error(Fault::usage, {.where = options.output ? "-o" : "--overwrite",
-                               .what = "is for the picture of --map",
-                               .remedy = "add --map limit or --map young"});
+                               .what = "is for the picture of --map or --picture",
+                               .remedy = "add --map limit, --map young or --picture"});
   }
-  std::filesystem::path path = options.output.value_or(fmt::format("{}-{}-map.png", scene.name, *options.map));
+  std::filesystem::path path = options.output.value_or(
+      options.map ? fmt::format("{}-{}-map.png", scene.name, *options.map) : scene.name + "-overlaps.png");
   require_new_file(path, options);
   return path;
 }
 
-void draw_map(const Simulation& simulation, const Options& options, const std::filesystem::path& path) {
+void draw(const Simulation& simulation, const Options& options, const std::filesystem::path& path) {
+  if (options.picture) {
+    write_png(path, overlap_picture(simulation, options.threads.value_or(0)));
+    return;
+  }
   const bool limit = options.map == "limit";
   write_png(path, map_picture(simulation, limit ? simulation.model.limit_factor : simulation.model.young_factor,
                               limit ? "× limit" : "× stiffness", options.threads.value_or(0)));
@@ -310,12 +321,12 @@ int inspect(const Options& options) {
   const Scene scene = scene_of_input(input, kind, options);
   const auto picture = place_of_picture(scene, options);
   const Simulation simulation = set_up(scene);
-  if (picture) draw_map(simulation, options, *picture);
+  if (picture) draw(simulation, options, *picture);
   std::vector<BodyReport> reports;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     reports.push_back(report_body(scene.bodies[i], simulation.bodies[i]));
   if (options.json) {
-    print_json(input, kind, scene, reports, simulation.warnings, picture);
+    print_json(input, kind, scene, reports, simulation.warnings, picture, options.map.has_value());
     return 0;
   }
   if (kind != InputKind::mesh)
@@ -336,12 +347,13 @@ Verb inspect_verb() {
           .details =
               "Tells what a mesh, a scene or a run is, and what is wrong with it. Exit code 65 if it cannot be used. "
               "With --map it draws the factors of limit.map or material.young_map on the surface, from the front and "
-              "from the back.",
+              "from the back; with --picture, where bodies are inside each other at the start, and how deep.",
           .examples = {"umax inspect bunny.ply --json",
-                       "umax inspect figure --set body.figure.limit.map=mesh --map limit -o paint.png"},
+                       "umax inspect figure --set body.figure.limit.map=mesh --map limit -o paint.png",
+                       "umax inspect heap --picture -o overlaps.png"},
           .arguments = {.words = scene_names, .endings = {"*"}},
           .options = {"--output", "--set", "--overwrite", "--height", "--unit", "--up", "--cells", "--json", "--map",
-                      "--threads", "--quiet", "--verbose"},
+                      "--picture", "--threads", "--quiet", "--verbose"},
           .run = inspect};
 }
 

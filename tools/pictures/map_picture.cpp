@@ -6,12 +6,10 @@
 #include "render/annotation/annotate.h"
 #include "render/raster/rasterize.h"
 #include "tools/pictures/plot_scale.h"
-#include "tools/pictures/shot.h"
+#include "tools/pictures/studio_view.h"
 
 namespace umax {
 namespace {
-
-constexpr int view_width = 640, view_height = 720, bar_width = 190, gap = 4;  // [px]
 
 /// From the least to the largest factor, rounded outwards; around 1 where all are alike.
 Legend legend_of(const VectorXd& factors, const std::string& title) {
@@ -22,19 +20,6 @@ Legend legend_of(const VectorXd& factors, const std::string& title) {
   legend.low = scale.low;
   legend.high = scale.high;
   return legend;
-}
-
-/// A soft lamp above the camera's left shoulder.
-AreaLight lamp_beside(const Camera& camera, double size) {
-  const Vector3d target = camera.target.cast<double>(), back = camera.position.cast<double>() - target;
-  const Vector3d left = back.cross(Vector3d::UnitY()).normalized();
-  const double distance = back.norm();
-  LightDescription lamp{.name = "lamp"};
-  lamp.target = target;
-  lamp.position = target + back + distance * (0.45 * left + 0.6 * Vector3d::UnitY());
-  lamp.size = 0.6 * size;
-  lamp.power = 5.5 * distance * distance;
-  return area_light(lamp);
 }
 
 /// The camera in front of the box, or as far behind it.
@@ -52,26 +37,10 @@ Image8 draw_view(const Simulation& simulation, const Stage& stage, const State& 
   const Box box = box_of(simulation, state.positions);
   const Camera camera = camera_of_view(box, from_behind);
   RenderScene shot = make_shot(simulation, stage, state, camera, factors);
-  shot.objects.resize(simulation.bodies.size());
-  shot.lights = {lamp_beside(camera, box.diagonal().norm())};
-  shot.sky = ConstantSky{{0.62f, 0.63f, 0.65f}};
-  shot.backdrop = Vector3f(0.055f, 0.06f, 0.07f);
-  shot.exposure_stops = 0;
-  shot.legend.reset();
+  light_evenly(simulation, box.diagonal().norm(), shot);
   Image8 view = present(rasterizer.draw(shot, {.width = view_width, .height = view_height, .threads = threads}), shot);
   draw_label(view, from_behind ? "back" : "front", 0.02f, 0.02f, {.size = 0.035f});
   return view;
-}
-
-/// The views side by side, and room for the bar at their right.
-Image8 side_by_side(const std::vector<Image8>& views) {
-  Image8 picture(int(views.size()) * (view_width + gap) + bar_width, view_height, 3);
-  for (std::size_t i = 0; i < picture.values.size(); i += 3)
-    picture.values[i] = 24, picture.values[i + 1] = 26, picture.values[i + 2] = 30;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    for (int y = 0; y < view_height; ++y)
-      std::copy_n(views[i].pixel(0, y), 3 * view_width, picture.pixel(int(i) * (view_width + gap), y));
-  return picture;
 }
 
 }  // namespace
@@ -84,9 +53,7 @@ Image8 map_picture(const Simulation& simulation, const VectorXd& factors, const 
   std::vector<Image8> views;
   for (const bool from_behind : {false, true})
     views.push_back(draw_view(simulation, stage, state, factors, from_behind, rasterizer, threads));
-  Image8 picture = side_by_side(views);
-  draw_legend(picture, *stage.legend);
-  return picture;
+  return side_by_side(views, *stage.legend);
 }
 
 }  // namespace umax
