@@ -9,6 +9,7 @@
 #include "core/contact/contact_detection.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/edge_contact.h"
+#include "core/contact/obstacle_side.h"
 #include "core/contact/surface_contact.h"
 
 namespace umax {
@@ -16,7 +17,8 @@ namespace {
 
 // no surface vertex may end a step deeper than this share of the cell size
 constexpr double penetration_tolerance = 1e-3;
-constexpr double kept_share = 0.5;  // of it, that a start's depth may keep: what a solution may add fits in the rest
+constexpr double came_outside = 10;  // times that: the depth at a step's start of a vertex that counts as outside
+constexpr double kept_share = 0.5;   // of it, that a start's depth may keep: what a solution may add fits in the rest
 constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
 constexpr Eigen::Index hexes_per_block = 64;
 
@@ -32,17 +34,33 @@ AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& sup
                        step.recovery[step.model->hex_body[support.hex]]);
 }
 
-// distance of a vertex at the end of the step and the outward direction, in the world
-DistanceSample end_distance(const ContactStep& step, int obstacle, const Vector3d& position) {
+// distance of a vertex at the end of the step from the side that it came by, and the outward direction, in the world
+DistanceSample end_distance(const ContactStep& step, int obstacle, const Support& vertex, const Vector3d& position) {
   const Pose& pose = step.poses_t1[obstacle];
-  DistanceSample sample = signed_distance(step.model->obstacles[obstacle].shape, pose.local(position));
+  const ObstacleShape& shape = step.model->obstacles[obstacle].shape;
+  if (!can_be_passed(shape)) {
+    DistanceSample sample = signed_distance(shape, pose.local(position));
+    sample.gradient = pose.rotation * sample.gradient;
+    return sample;
+  }
+  const Vector3d before = embedded_position(*step.model, step.positions_t0, vertex);
+  DistanceSample sample = distance_from_side(shape, step.poses_t0[obstacle].local(before), pose.local(position),
+                                             came_outside * tolerance_depth(*step.model, vertex.hex));
   sample.gradient = pose.rotation * sample.gradient;
   return sample;
 }
 
+// how far points of a hex may have come against an obstacle in the step [m], if it can be passed; sphere: around the hex now
+double way_against(const ContactStep& step, int obstacle, int hex, const BoundingSphere& sphere) {
+  if (!can_be_passed(step.model->obstacles[obstacle].shape)) return 0;
+  const BoundingSphere before = bounding_sphere(hex_nodes(*step.model, step.positions_t0, hex));
+  return (step.poses_t1[obstacle].local(sphere.centre) - step.poses_t0[obstacle].local(before.centre)).norm() +
+         sphere.radius + before.radius;
+}
+
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
   const Vector3d position = embedded_position(*step.model, positions, contact.support);
-  const DistanceSample sample = end_distance(step, contact.obstacle, position);
+  const DistanceSample sample = end_distance(step, contact.obstacle, contact.support, position);
   const AllowedDepth allowed = allowance(step, contact.obstacle, contact.support);
   contact.gap = sample.distance + allowed.deep + allowed.shallow;
   contact.position = position;
@@ -86,14 +104,15 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
   const ContactGeometry& geometry = *step.geometry;
   const double centre_distance =
       signed_distance(model.obstacles[obstacle].shape, step.poses_t1[obstacle].local(sphere.centre)).distance;
-  if (centre_distance > sphere.radius) return false;
+  if (centre_distance > sphere.radius && centre_distance > sphere.radius + way_against(step, obstacle, hex, sphere))
+    return false;
   deepest = {{ContactKind::vertex, -1}, obstacle, hex, -threshold};
   const double tie = tied_depth(model, hex);
   for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
     const int point = geometry.hex_points[k];
-    double gap = end_distance(step, obstacle, surface_position(model, nodes, point)).distance;
-    if (gap < deepest.gap - tie)
-      gap += allowance(step, obstacle, {hex, model.surface.weights.row(point).transpose()}).deep;
+    const Support vertex{hex, model.surface.weights.row(point).transpose()};
+    double gap = end_distance(step, obstacle, vertex, surface_position(model, nodes, point)).distance;
+    if (gap < deepest.gap - tie) gap += allowance(step, obstacle, vertex).deep;
     if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
   }
   return deepest.point.index >= 0;
