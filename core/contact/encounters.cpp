@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/contact/fast_parts.h"
 #include "core/element/rotation.h"
 
 namespace umax {
@@ -268,7 +269,8 @@ std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touc
   };
   const std::vector<BodyMotion> motions = body_motions(model, from, to);
   const Surfaces fast = fast_surfaces(model, touchable, motions);
-  if (std::all_of(fast.begin(), fast.end(), [](const std::vector<int>& of) { return of.empty(); })) return {};
+  std::vector<FastPair> own = fast_parts(model, touchable, hex_starts, from, to);
+  if (std::all_of(fast.begin(), fast.end(), [](const std::vector<int>& of) { return of.empty(); })) return own;
   std::vector<std::vector<FastPair>> of_hexes(std::size_t(model.num_hexes()));
   for_each_fast_meeting(model, touchable, hex_starts, from, to, motions, fast, [&](int hex, int other) {
     std::vector<FastPair>& pairs = of_hexes[std::size_t(hex)];
@@ -278,6 +280,7 @@ std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touc
     pairs.back().approach = std::max(pairs.back().approach, approach);
   });
   std::map<std::pair<int, int>, double> largest;
+  for (const FastPair& pair : own) largest[{pair.body, pair.other}] = pair.approach;
   for (const std::vector<FastPair>& pairs : of_hexes)
     for (const FastPair& pair : pairs) {
       double& approach = largest[{pair.body, pair.other}];

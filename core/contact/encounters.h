@@ -50,11 +50,12 @@ inline constexpr double felt_motion = 0.5;
 
 /// Two bodies of which hexes may meet on straight ways between two sets of positions, though they are apart at both ends.
 struct FastPair {
-  int body = 0, other = 0;  // vertices of the first, surface of the second
+  int body = 0, other = 0;  // vertices of the first, surface of the second; its own, of a body with fast parts
   double approach = 0;      // times felt_motion: of the centres of two hexes whose ways' boxes meet, at most
 };
 
-/// Of bodies that may touch and move farther against each other than felt_motion; in the order of bodies.
+/// Of bodies that may touch and move farther against each other than felt_motion, and of such parts of one
+/// (core/contact/fast_parts.h); in the order of bodies.
 std::vector<FastPair> fast_pairs(const Model& model, const TouchableBodies& touchable,
                                  const std::vector<int>& hex_starts, const Points& from, const Points& to);
 

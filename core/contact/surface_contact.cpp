@@ -102,11 +102,12 @@ std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart
   return all;
 }
 
-bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share) {
+bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
+                 bool counts_own) {
   const std::vector<Contact> contacts = surface_candidates(step, apart, positions, share);
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
     const auto [first, second] = bodies_of(*step.model, contact);
-    return first != second;
+    return counts_own || first != second;
   });
 }
 

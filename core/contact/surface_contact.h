@@ -37,8 +37,9 @@ inline bool keeps_plane(const Contact& contact) {
   return contact.turns_back > most_turns_back;
 }
 
-/// Is a vertex of one body deeper in another than that?
-bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share);
+/// Is a vertex of one body deeper in another than that, or in its own?
+bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& positions, double share,
+                 bool counts_own);
 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
 /// the touched body's cage, or is in a hex turned inside out, keeps its place and normal. So does one whose normal turns

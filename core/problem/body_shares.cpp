@@ -33,12 +33,20 @@ void share_alike(const StepProblem& problem, const Iterate& iterate, VectorXd& s
 }  // namespace
 
 void approach(const StepProblem& problem, Iterate& iterate) {
+  const ContactGeometry& geometry = *problem.contact.geometry;
   const Points way = iterate.positions - problem.positions_t0;
-  const int parts = int(std::ceil(approaches(problem, problem.positions_t0, iterate.positions).maxCoeff()));
+  double farthest = 1;
+  bool has_fast_parts = false;
+  for (const FastPair& pair :
+       fast_pairs(*problem.model, geometry.touchable, geometry.hex_starts, problem.positions_t0, iterate.positions)) {
+    farthest = std::max(farthest, pair.approach);
+    has_fast_parts = has_fast_parts || pair.body == pair.other;
+  }
+  const int parts = int(std::ceil(farthest));
   if (parts == 1) return;
   for (int part = 1; part <= parts; ++part) {
     iterate.positions = problem.positions_t0 + double(part) / parts * way;
-    if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share)) break;
+    if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share, has_fast_parts)) break;
     iterate.apart = iterate.positions;
   }
   update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
