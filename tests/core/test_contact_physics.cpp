@@ -1,6 +1,8 @@
 // Contact between bodies obeys mechanics: even pressure, Coulomb's angle, balances of momentum and energy, symmetry.
 #include <cmath>
 
+#include "embedding/surface/distance_grid.h"
+#include "embedding/surface/shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/touchable.h"
 
@@ -107,6 +109,35 @@ TEST_CASE("a stack of three boxes stands still") {
            [&](const StepReport& report, const State&) { CHECK(report.status == StepStatus::converged); });
   for (int body = 0; body < 3; ++body)
     CHECK((centre_of(model, state, body) - centre_of(model, settled, body)).norm() < 1e-3);
+}
+
+TEST_CASE("three balls in a bowl come to rest", "[slow]") {
+  std::vector<Body> balls;
+  for (int i = 0; i < 3; ++i) {
+    balls.push_back(
+        touchable_ball("ball" + std::to_string(i), 4, {0.2 * (i - 1), 0.6 + 0.25 * i, 0.1 * (i % 2)}, 0.16));
+    balls.back().material.damping_mass = 0.5;
+    balls.back().material.young = i == 0 ? 500e3 : i == 1 ? 100e3 : 30e3;
+    balls.back().friction = 0.4;
+  }
+  const TriangleMesh mesh = make_bowl(0.6, 0.15);
+  MeshShape shape;
+  shape.distance = std::make_shared<const SampledDistance>(make_distance_grid(mesh));
+  Obstacle bowl{.name = "bowl", .shape = shape, .friction = 0.4};
+  const Model model = make_model(balls, {bowl});
+  State state = rest_state(model);
+  double peak = 0, last = 0;
+  int touching = 0;
+  simulate(model, StepOptions(), 15 * 60, state, [&](const StepReport& report, const State&) {
+    CHECK(report.status == StepStatus::converged);
+    peak = std::max(peak, report.kinetic_energy);
+    last = report.kinetic_energy;
+    touching = report.contacts_between;
+  });
+  CHECK(peak > 1);
+  CHECK(last < 1e-4 * peak);
+  CHECK(touching > 0);  // they lie against each other
+  for (int body = 0; body < 3; ++body) CHECK(highest_of(model, state, body) < 1);
 }
 
 TEST_CASE("no step of a collision makes energy") {
