@@ -4,6 +4,7 @@
 #include "embedding/surface/distance_grid.h"
 #include "embedding/surface/shapes.h"
 #include "tests/support/catch.h"
+#include "tests/support/reference_mechanics.h"
 #include "tests/support/touchable.h"
 
 using namespace umax;
@@ -183,6 +184,55 @@ TEST_CASE("angular momentum is lost in first order of the step, as backward Eule
   CHECK(coarse < 0.05);
   CHECK(coarse / fine > 1.5);
   CHECK(coarse / fine < 3);
+}
+
+TEST_CASE("contact's forces of every step have neither sum nor torque, by a mechanics that is not the solver's") {
+  Body left = touchable_block("left", {2, 2, 2}, {0, 0, 0}, 0.1);
+  Body right = touchable_block("right", {2, 2, 2}, {0.21, 0.07, 0.03}, 0.1);
+  left.velocity = {1, 0.1, 0};
+  // with friction steps need not converge far below the default tolerance, and what forces lack of balance has a torque
+  const bool has_friction = GENERATE(false, true);
+  const double largest_torque = has_friction ? 1e-6 : 1e-10;
+  left.friction = right.friction = has_friction ? 0.3 : 0;
+  for (Body* body : {&left, &right}) body->material.young = 2e5;
+  const Model model = make_model({left, right}, {});
+  StepOptions options = without_gravity();
+  options.solver.tolerance = has_friction ? 1e-5 : 1e-10;
+  options.solver.linear = LinearSolver::direct;
+  std::vector<ReferenceHex> hexes;
+  for (int e = 0; e < model.num_hexes(); ++e)
+    hexes.push_back(make_reference_hex(hex_nodes(model, model.rest_positions, e), 2e5, left.material.poisson));
+  State state = rest_state(model);
+  Points before = state.velocities;
+  double worst_sum = 0, worst_torque = 0, size = 0, arms = 0;  // [N], [N m]; the largest of all steps
+  simulate(model, options, 12, state, [&](const StepReport& report, const State& now) {
+    // what moves the nodes beside their elasticity
+    Points forces = model.node_mass.asDiagonal() * (now.velocities - before) / options.time_step;
+    for (int e = 0; e < model.num_hexes(); ++e) {
+      const NodesOf<double> elastic =
+          reference_force_by_steps(hexes[std::size_t(e)], hex_nodes(model, now.positions, e));
+      for (int n = 0; n < 8; ++n) forces.row(model.hexes(e, n)) += elastic.row(n);
+    }
+    before = now.velocities;
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.retries == 0);
+    Vector3d torque = Vector3d::Zero();
+    double force_size = 0, torque_size = 0;
+    for (int node = 0; node < int(model.num_nodes()); ++node) {
+      const Vector3d at = now.positions.row(node).transpose(), force = forces.row(node).transpose();
+      torque += at.cross(force);
+      force_size += force.norm();
+      torque_size += at.norm() * force.norm();
+    }
+    worst_sum = std::max(worst_sum, forces.colwise().sum().norm());
+    worst_torque = std::max(worst_torque, torque.norm());
+    size = std::max(size, force_size);
+    arms = std::max(arms, torque_size);
+  });
+  CAPTURE(has_friction);
+  CHECK(size > 1);
+  CHECK(worst_sum < 1e-10 * size);
+  CHECK(worst_torque < largest_torque * arms);
 }
 
 TEST_CASE("a collision of mirror images stays one, whichever body is listed first") {
