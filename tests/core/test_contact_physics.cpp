@@ -112,7 +112,7 @@ TEST_CASE("a stack of three boxes stands still") {
     CHECK((centre_of(model, state, body) - centre_of(model, settled, body)).norm() < 1e-3);
 }
 
-TEST_CASE("three balls in a bowl come to rest", "[slow]") {
+TEST_CASE("three balls in a bowl come to rest") {
   std::vector<Body> balls;
   for (int i = 0; i < 3; ++i) {
     balls.push_back(
