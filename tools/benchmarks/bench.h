@@ -26,6 +26,7 @@ struct Benchmark {
 
 std::vector<Benchmark> simulation_benchmarks();   // bench_simulation.cpp
 std::vector<Benchmark> heap_benchmarks();         // bench_heap.cpp: contact between bodies
+std::vector<Benchmark> contact_benchmarks();      // bench_contact.cpp
 std::vector<Benchmark> refinement_benchmarks();   // bench_refinement.cpp: limits on finer cages
 std::vector<Benchmark> multigrid_benchmarks();    // bench_multigrid.cpp
 std::vector<Benchmark> large_cage_benchmarks();   // bench_large_cages.cpp

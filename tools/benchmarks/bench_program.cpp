@@ -7,8 +7,11 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/files/write_file.h"
 #include "render/image/flip.h"
 #include "render/image/image_io.h"
+#include "scenes/resolved_scene.h"
+#include "scenes/scene_file.h"
 #include "tools/benchmarks/bench.h"
 #include "tools/benchmarks/measured_command.h"
 #include "tools/reproduce/experiments.h"
@@ -103,6 +106,57 @@ BenchRows million() {
           at_most(what + ": max U/U_max", most("max_energy_ratio"), 1.001, "")};
 }
 
+// the heap's bodies again and again, in towers side by side
+Scene crowd_scene(int count) {
+  constexpr double between_towers = 2;  // [m]
+  Scene scene = load_scene("heap");
+  const std::vector<BodyDescription> heap = scene.bodies;
+  scene.bodies.clear();
+  for (int i = 0; i < count; ++i) {
+    const int tower = i / int(heap.size());
+    BodyDescription body = heap[std::size_t(i) % heap.size()];
+    body.name = fmt::format("b{:03}", i);
+    *body.position += between_towers * Vector3d(tower % 3 - 1, 0, tower / 3 - 1);
+    scene.bodies.push_back(body);
+  }
+  return scene;
+}
+
+struct CrowdRun {
+  Measurement whole, set_up;
+  double step_ms = 0;  // mean
+  long long hexes = 0, steps = 0, not_converged = 0;
+};
+CrowdRun run_crowd(int count) {
+  const ScratchFolder scratch;
+  write_file(scratch.path / "crowd.toml", resolved_toml(crowd_scene(count)));
+  const auto simulate = [&](const std::string& run, const std::string& frames) {
+    return measure_command({program(), "simulate", scratch.path / "crowd.toml", "-o", scratch.path / run, "--set",
+                            "clip.frames=" + frames, "--quiet"});
+  };
+  CrowdRun crowd;
+  crowd.set_up = simulate("start", "1");
+  crowd.whole = simulate("run", "181");
+  const StepsFound steps = read_steps(scratch.path / "run/steps.csv", steps_header({}));
+  crowd.steps = steps.rows;
+  crowd.not_converged = std::count(steps.converged.begin(), steps.converged.end(), false);
+  crowd.hexes = (long long)steps.columns.at("hexes").front();
+  for (const double ms : steps.columns.at("wall_ms")) crowd.step_ms += ms / double(steps.rows);
+  return crowd;
+}
+
+BenchRows hundred_figures() {
+  const CrowdRun twelve = run_crowd(12), hundred = run_crowd(100);
+  const std::string what = fmt::format("100 figures, {} hexes", hundred.hexes);
+  const auto per_hex = [](const CrowdRun& run) { return 1e3 * run.step_ms / double(run.hexes); };
+  return {at_most(what + ": 3 s at 60 frames/s", hundred.whole.seconds / 60, 10, "min",
+                  fmt::format("{} of {} steps not converged", hundred.not_converged, hundred.steps)),
+          at_most(what + ": peak memory", gibibytes(hundred.whole.peak_bytes), 4, "GiB"),
+          at_most(what + ": set-up", hundred.set_up.seconds, 60, "s"),
+          at_most("cost per hex and step, 100 figures over 12", per_hex(hundred) / per_hex(twelve), 2, "times",
+                  fmt::format("{:.2f} us, {:.2f} us", per_hex(hundred), per_hex(twelve)))};
+}
+
 std::vector<std::string> reproduce(const std::filesystem::path& report) {
   std::vector<std::string> command{program(), "reproduce", "--quiet", "-o", report};
   if (!model_path("").empty()) {
@@ -169,6 +223,7 @@ std::vector<Benchmark> program_benchmarks() {
       {"10k", false, false, ten_thousand},
       {"100k", false, false, large_beam},
       {"figure-1m", true, false, million},
+      {"figures-100", true, false, hundred_figures},
       {"demo", false, false, demo},
       {"noise", true, false, noise},
       {"tune", false, false, tuning},
