@@ -21,6 +21,7 @@ Points turned_back(const Model& model, const Model::BodyRange& body, const Point
   const auto mass = model.node_mass.segment(body.first_node, body.num_nodes);
   const auto before = from.middleRows(body.first_node, body.num_nodes),
              after = to.middleRows(body.first_node, body.num_nodes);
+  if (farthest(after - before) <= little) return {};
   const Eigen::RowVector3d centre0 = mass.transpose() * before / mass.sum(),
                            centre1 = mass.transpose() * after / mass.sum();
   const Points arms0 = before.rowwise() - centre0, arms1 = after.rowwise() - centre1;

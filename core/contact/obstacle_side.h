@@ -1,5 +1,5 @@
-// The side of an obstacle on which a point belongs. The nearest side is the wrong one for a point that has come through a thin
-// wall, or through most of it.
+// The side of an obstacle on which a point belongs. The nearest side is the wrong one for a point that has come through
+// a thin wall, or through most of it.
 //
 // gap = n . (X - E),  normal n = grad phi(E),  where the nearest side does not face the way that the point came by:
 //       n . grad phi(X) < 0
@@ -13,7 +13,7 @@
 namespace umax {
 
 /// signed_distance() at X, or the gap and normal above. slack: [m] by which X0 may be inside and count as outside; a
-/// point that was deeper inside leaves by the nearest way. Walls thinner than the slack may be missed where a way grazes.
+/// point that was deeper inside leaves by the nearest way. Walls thinner than the slack may be missed by ways that graze.
 DistanceSample distance_from_side(const ObstacleShape& shape, const Vector3d& X0, const Vector3d& X, double slack);
 
 /// Has the obstacle sides that a way can lead through?
