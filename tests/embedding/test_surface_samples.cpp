@@ -1,10 +1,11 @@
-// Points between the vertices of coarse surfaces.
+// Points between the vertices of coarse surfaces; how thin walls are.
 #include "embedding/surface/surface_samples.h"
 
 #include <set>
 
 #include "embedding/figure/figure.h"
 #include "embedding/surface/shapes.h"
+#include "embedding/surface/wall_thickness.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 
@@ -114,4 +115,20 @@ TEST_CASE("corners that are not given are among the points, once") {
   REQUIRE(points.rows() == 2);
   CHECK(points.row(0) == tent.vertices.row(4));
   CHECK(points.row(1) == tent.vertices.row(5));
+}
+
+TEST_CASE("the thickness of walls is that between their sides, tips left out, and nothing where all is thicker") {
+  CHECK(wall_thickness(surface_of(make_bowl(1, 0.06)), 0.1) == Approx(0.06).epsilon(0.02));
+  CHECK(wall_thickness(surface_of(make_box({1, 0.01, 1})), 0.1) == Approx(0.01));
+  CHECK(std::isinf(wall_thickness(surface_of(make_bowl(1, 0.06)), 0.05)));
+  CHECK(std::isinf(wall_thickness(surface_of(make_sphere(1)), 0.5)));
+  CHECK(std::isinf(wall_thickness(make_tent(4), 0.1)));
+  // two boxes with a gap of air between them
+  TriangleMesh boxes = make_box({1, 1, 1});
+  const Eigen::Index count = boxes.num_vertices(), triangles = boxes.num_triangles();
+  boxes.positions.conservativeResize(2 * count, 3);
+  boxes.positions.bottomRows(count) = boxes.positions.topRows(count).rowwise() + Eigen::RowVector3d(0, 1.02, 0);
+  boxes.triangles.conservativeResize(2 * triangles, 3);
+  boxes.triangles.bottomRows(triangles) = boxes.triangles.topRows(triangles).array() + int(count);
+  CHECK(std::isinf(wall_thickness(surface_of(boxes), 0.1)));
 }

@@ -240,3 +240,36 @@ TEST_CASE("a run whose contacts are between vertices goes on to the same bytes")
   REQUIRE(simulate("resumed", {"--set", "clip.frames=12", "--resume"}) == 0);
   CHECK(states_of(folder / "whole") == states_of(folder / "resumed"));
 }
+
+TEST_CASE("a mesh obstacle with thin walls is told finely enough to hold what falls on it, or said to be too thin") {
+  const TemporaryFolder folder;
+  const double thickness = GENERATE(0.008, 0.003);
+  write_prism(folder / "sheet.obj", {{-0.5, -thickness}, {0.5, -thickness}, {0.5, 0}, {-0.5, 0}}, 1);
+  const Simulation simulation = set_up(parse_scene({.text = fmt::format(R"([clip]
+frames = 12
+[body.ball]
+shape = "sphere"
+radius = 0.1
+position = [0.02, 0.35, 0.03]
+velocity = [0, -5, 0]
+cage.cells = [3, 3, 3]
+[obstacle.sheet]
+mesh = "{}"
+position = [0, 0, 0]
+)",
+                                                                        (folder / "sheet.obj").string())},
+                                                   {}));
+  const bool is_told = thickness > 0.005;
+  REQUIRE(simulation.warnings.size() == (is_told ? 0 : 1));
+  if (!is_told) {
+    CHECK(simulation.warnings[0].find("obstacle.sheet: it has walls of 0.003 m") == 0);
+    return;
+  }
+  Workspace workspace(simulation.model);
+  State state = rest_state(simulation.model);
+  for (int i = 0; i < 12; ++i) {
+    const StepReport report = step(simulation.model, simulation.options, workspace, state);
+    CHECK(report.status == StepStatus::converged);
+    CHECK(state.positions.col(1).minCoeff() > -0.02);
+  }
+}

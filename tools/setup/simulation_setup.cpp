@@ -11,9 +11,11 @@
 #include "core/model/hex_limits.h"
 #include "core/problem/linear_plan.h"
 #include "embedding/cage/hex_cage.h"
+#include "embedding/surface/contact_surface.h"
 #include "embedding/surface/distance_grid.h"
 #include "embedding/surface/placement.h"
 #include "embedding/surface/shapes.h"
+#include "embedding/surface/wall_thickness.h"
 #include "render/image/image_io.h"
 #include "tools/setup/body_contact.h"
 #include "tools/setup/body_maps.h"
@@ -208,11 +210,31 @@ void warn_of_penetration(const Simulation& simulation, std::vector<std::string>&
     }
 }
 
+// Samples of a mesh's distance along its longest side: as many as tell its walls' two sides apart.
+int distance_samples(const TriangleMesh& mesh, double extent, ObstacleSetup& setup) {
+  constexpr int most_samples = 384;
+  constexpr double samples_in_wall = 2.5;
+  const DistanceGridOptions usual;
+  const TriangleMesh border = contact_surface(mesh);
+  if (border.num_triangles() == 0) return usual.max_samples_per_axis;
+  const auto told = [&](int samples) { return samples_in_wall * extent / samples; };  // [m] thinnest wall
+  const double thickness =
+      wall_thickness(make_rest_surface(border.positions, border.triangles), told(usual.max_samples_per_axis));
+  if (thickness >= told(usual.max_samples_per_axis)) return usual.max_samples_per_axis;
+  if (thickness < told(most_samples))
+    setup.notes.push_back(
+        fmt::format("it has walls of {:.2g} m, and those thinner than {:.2g} m may let bodies through; "
+                    "make them thicker, or give its parts as obstacles of their own",
+                    thickness, told(most_samples)));
+  return std::min(most_samples, int(std::ceil(samples_in_wall * extent / thickness)));
+}
+
 // an obstacle whose distance is sampled from a mesh
 void take_mesh(TriangleMesh mesh, Obstacle& obstacle, ObstacleSetup& setup) {
   const double extent = (highest(mesh) - lowest(mesh)).maxCoeff();
   MeshShape shape;
-  shape.distance = std::make_shared<const SampledDistance>(make_distance_grid(mesh));
+  shape.distance = std::make_shared<const SampledDistance>(
+      make_distance_grid(mesh, {.max_samples_per_axis = distance_samples(mesh, extent, setup)}));
   shape.edge_points = sharp_edge_points(mesh, {.spacing = extent / 100});
   obstacle.shape = std::move(shape);
   setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
@@ -271,6 +293,9 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   std::vector<Obstacle> obstacles;
   for (const ObstacleDescription& description : scene.obstacles)
     obstacles.push_back(make_obstacle(description, simulation.obstacles.emplace_back(), library));
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    for (const std::string& note : simulation.obstacles[i].notes)
+      simulation.warnings.push_back("obstacle." + obstacles[i].name + ": " + note);
 
   const bool needs_distance = std::any_of(obstacles.begin(), obstacles.end(), has_edges);
   const std::vector<char> is_touched = touched_bodies(scene);

@@ -39,6 +39,7 @@ struct BodySetup {
 
 struct ObstacleSetup {
   std::shared_ptr<const TriangleMesh> mesh;  // in the obstacle's own frame [m]; null: a half space
+  std::vector<std::string> notes;            // for the user: what contact will not feel of it
 };
 
 struct Simulation {
