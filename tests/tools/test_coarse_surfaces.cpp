@@ -254,6 +254,7 @@ position = [0.02, 0.35, 0.03]
 velocity = [0, -5, 0]
 cage.cells = [3, 3, 3]
 [obstacle.sheet]
+shape = "mesh"
 mesh = "{}"
 position = [0, 0, 0]
 )",
