@@ -1,3 +1,4 @@
+#include "core/files/file_writer.h"
 #include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "tests/support/catch.h"
@@ -46,6 +47,61 @@ TEST_CASE("a file that cannot be read is named with the reason and a remedy", "[
 
   CHECK(is_readable("/proc/self/mem"));
   CHECK_FALSE(is_readable("/no/such/file"));
+}
+
+TEST_CASE("a file that grows piece by piece appears whole, or leaves nothing", "[files]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "grown.bin";
+  {
+    FileWriter dropped(path);
+    dropped.write(several_pieces);
+  }
+  CHECK(std::filesystem::is_empty(folder.path()));
+
+  FileWriter file(path);
+  std::string wanted = "0123456789";
+  file.write(wanted);
+  for (int i = 0; i < 5; ++i) {  // small pieces wait in memory, large ones go by it
+    for (const std::string& piece : {std::string(700000, char('a' + i)), several_pieces, std::string("end")}) {
+      file.write(piece);
+      wanted += piece;
+    }
+  }
+  CHECK(file.size() == (long long)(wanted.size()));
+  file.write_at(3, "ABC");
+  file.write_at((long long)(wanted.size()) - 1, "!");
+  wanted.replace(3, 3, "ABC");
+  wanted.back() = '!';
+  FileWriter moved(std::move(file));
+  CHECK(!std::filesystem::exists(path));
+  moved.finish();
+  CHECK(read_file(path) == wanted);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("what is gathered in one file can go to the end of another", "[files]") {
+  const TemporaryFolder folder;
+  FileWriter file(folder / "whole");
+  {
+    FileWriter gathered(folder / "part");
+    for (int i = 0; i < 3; ++i) gathered.write(several_pieces);
+    gathered.write("the end");
+    file.write("first ");
+    gathered.append_to(file);
+  }
+  file.finish();
+  CHECK(read_file(folder / "whole") == "first " + several_pieces + several_pieces + several_pieces + "the end");
+  CHECK(!std::filesystem::exists(folder / "part"));
+}
+
+TEST_CASE("a file that cannot be made, or finds the disk full, is named with a remedy", "[files]") {
+  const auto failure = failure_of([] { FileWriter("/no/such/folder/file"); });
+  CHECK(failure.code == 73);
+  CHECK(contains(failure.message, "/no/such/folder/file: cannot be created"));
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "taken");
+  CHECK(failure_of([&] { FileWriter(folder / "taken").finish(); }).code == 73);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("SHA-256 gives the digests of FIPS 180-4", "[sha256]") {
