@@ -74,8 +74,12 @@ Legend stretch_legend(const Simulation& simulation, const HeatRange& range) {
 }  // namespace
 
 VectorXd heat_values(const Simulation& simulation, const State& state) {
+  return heat_values(simulation, state, simulation.scene.render.heatmap);
+}
+
+VectorXd heat_values(const Simulation& simulation, const State& state, Heatmap map) {
   const SolverOptions& solver = simulation.options.solver;
-  switch (simulation.scene.render.heatmap) {
+  switch (map) {
     case Heatmap::none:
       break;
     case Heatmap::energy:

@@ -27,6 +27,9 @@ struct HeatRange {
 /// What render.heatmap shows of each hex in this state: #E; empty for "none".
 VectorXd heat_values(const Simulation& simulation, const State& state);
 
+/// The same of another map.
+VectorXd heat_values(const Simulation& simulation, const State& state, Heatmap map);
+
 /// Widens the range by a state. A clip's range is that of all its states.
 void extend(HeatRange& range, const Simulation& simulation, const State& state);
 
