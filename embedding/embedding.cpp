@@ -123,8 +123,8 @@ Polynomial trilinear_polynomial(const Hexes& hexes, int hex, const Points& nodes
   return c;
 }
 
-void deform_positions(const Embedding& embedding, const std::vector<Polynomial>& polynomials, Eigen::Index first,
-                      Eigen::Index last, double* positions) {
+void evaluate(const Embedding& embedding, const std::vector<Polynomial>& polynomials, Eigen::Index first,
+              Eigen::Index last, double* positions) {
   for (Eigen::Index v = first; v < last; ++v) {
     const double* s = embedding.local.data() + 3 * v;
     const double* c = polynomials[embedding.slot[v]].data();
@@ -177,10 +177,9 @@ EmbeddedPoints points_of(const Embedding& embedding) {
   return weighted(embedding.hex, embedding.local);
 }
 
-void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes, TriangleMesh& out) {
+void deform_positions(const Embedding& embedding, const Hexes& hexes, const Points& nodes, Points& out) {
   const Eigen::Index num_vertices = embedding.local.rows();
-  if (out.positions.rows() != num_vertices) out.positions.resize(num_vertices, 3);
-  if (out.normals.rows() != num_vertices) out.normals.resize(num_vertices, 3);
+  if (out.rows() != num_vertices) out.resize(num_vertices, 3);
 
   std::vector<Polynomial> polynomials(embedding.used_hexes.size());
   parallel_blocks(Eigen::Index(polynomials.size()), block_size, [&](Eigen::Index first, Eigen::Index last) {
@@ -188,8 +187,14 @@ void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes,
       polynomials[i] = trilinear_polynomial(hexes, embedding.used_hexes[i], nodes);
   });
   parallel_blocks(num_vertices, block_size, [&](Eigen::Index first, Eigen::Index last) {
-    deform_positions(embedding, polynomials, first, last, out.positions.data());
+    evaluate(embedding, polynomials, first, last, out.data());
   });
+}
+
+void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes, TriangleMesh& out) {
+  const Eigen::Index num_vertices = embedding.local.rows();
+  deform_positions(embedding, hexes, nodes, out.positions);
+  if (out.normals.rows() != num_vertices) out.normals.resize(num_vertices, 3);
   parallel_blocks(num_vertices, block_size, [&](Eigen::Index first, Eigen::Index last) {
     compute_normals(embedding.fans, out.positions, first, last, out.normals);
   });

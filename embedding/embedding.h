@@ -40,6 +40,10 @@ EmbeddedPoints points_of(const Embedding& embedding);
 /// written (and sized on first use). The same bits for any number of threads.
 void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes, TriangleMesh& out);
 
+/// The positions alone, #V x 3 [m] (sized on first use); of node velocities, the vertices' velocities [m/s]. The same bits
+/// as deform()'s.
+void deform_positions(const Embedding& embedding, const Hexes& hexes, const Points& nodes, Points& out);
+
 /// Current positions of embedded points, #P x 3 [m].
 Points deform_points(const EmbeddedPoints& points, const Hexes& hexes, const Points& nodes);
 

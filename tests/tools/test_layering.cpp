@@ -33,6 +33,7 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
 
     {"embedding/surface", {"core/model"}},
     {"embedding/scanning", {"core/base", "core/files"}},
+    {"embedding/caches", {"core/base", "core/files"}},
     {"embedding/hex_files", {"embedding/scanning", "embedding/surface"}},
     {"embedding/mesh_files", {"embedding/hex_files"}},
     {"embedding/cage", {"embedding/surface"}},
@@ -51,7 +52,8 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
     {"tools/system", {"core/base", "core/files"}},
     {"tools/setup", {"scenes", "core/step", "embedding/mesh_files", "embedding/figure", "embedding/maps"}},
     {"tools/pictures", {"tools/setup", "tools/system", "render/annotation", "render/trace", "render/raster"}},
-    {"tools/run", {"tools/pictures"}},
+    {"tools/exchange", {"tools/pictures", "embedding/caches"}},
+    {"tools/run", {"tools/exchange"}},
     {"tools/pages", {"render/annotation"}},
     {"tools/fit", {"tools/pictures"}},
     {"tools/tune", {"tools/run", "tools/pages"}},
@@ -64,7 +66,8 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
 const std::vector<std::pair<std::string, std::string>> shut_doors{
     {"scenes", "core/contact"},         {"scenes", "core/linear"},           {"embedding", "core/contact"},
     {"tools/system", "core/element"},   {"tools/setup", "core/contact"},     {"tools/setup", "core/linear"},
-    {"tools/pictures", "core/contact"}, {"tools/pictures", "core/linear"},   {"tools/run", "core/contact"},
+    {"tools/pictures", "core/contact"}, {"tools/pictures", "core/linear"},   {"tools/exchange", "core/contact"},
+    {"tools/exchange", "core/element"}, {"tools/exchange", "core/linear"},   {"tools/run", "core/contact"},
     {"tools/run", "core/element"},      {"tools/run", "core/linear"},        {"tools/fit", "core/contact"},
     {"tools/fit", "core/linear"},       {"tools/tune", "core/contact"},      {"tools/tune", "core/linear"},
     {"tools/tune", "core/element"},     {"tools/reproduce", "core/contact"}, {"tools/reproduce", "core/linear"},

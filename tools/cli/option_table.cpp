@@ -1,7 +1,11 @@
 #include "tools/cli/option_table.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cstdio>
 
+#include "tools/exchange/export_format.h"
 #include "tools/system/machine_memory.h"
 
 namespace umax {
@@ -99,7 +103,8 @@ Table mesh_table() {
            .examples = {"mm", "cm", "m", "in", "ft"}},
           {.name = "--up",
            .value = "AXIS",
-           .description = "axis that points up in the mesh file: x, y, z, -x, -y or -z",
+           .description = "axis that points up in the mesh file: x, y, z, -x, -y or -z; export: in what is written, y "
+                          "(default) or z",
            .target = &Options::up,
            .examples = {"x", "y", "z"}},
           {.name = "--cells",
@@ -115,6 +120,28 @@ Table mesh_table() {
            .value = "PERCENT",
            .description = "most that any hex may stretch (default: 20%)",
            .target = &Options::stretch}};
+}
+
+Table export_table() {
+  return {{.name = "--format",
+           .value = "FORMAT",
+           .description = "export: " + fmt::format("{}", fmt::join(export_format_names(), ", ")),
+           .target = &Options::format,
+           .choices = export_format_names()},
+          {.name = "--bodies",
+           .value = "LIST",
+           .description = "export: only these bodies and obstacles, as in cow,obstacle.plate (default: all)",
+           .target = &Options::bodies},
+          {.name = "--scale",
+           .value = "FACTOR",
+           .description = "export: multiplies all lengths, as in 100 for centimetres (default: 1, metres)",
+           .target = &Options::scale,
+           .range = OptionRange{1e-9, 1e9}},
+          {.name = "--export",
+           .value = "FORMAT",
+           .description = "write the clip into DIR/export, too, as umax export DIR does; repeatable",
+           .target = &Options::exports,
+           .choices = export_format_names()}};
 }
 
 Table look_table() {
@@ -212,8 +239,8 @@ Table general_table() {
 const std::vector<OptionDefinition>& option_table() {
   static const Table all = [] {
     Table joined;
-    for (const Table& part :
-         {run_table(), picture_table(), mesh_table(), look_table(), tune_table(), fit_table(), general_table()})
+    for (const Table& part : {run_table(), picture_table(), mesh_table(), export_table(), look_table(), tune_table(),
+                              fit_table(), general_table()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
   }();

@@ -66,6 +66,13 @@ RunOptions run_options(const Options& options, int threads) {
           .verbose = options.verbose};
 }
 
+std::vector<ExportOptions> job_exports(const Options& options) {
+  std::vector<ExportOptions> exports;
+  for (const std::string& format : options.exports)
+    exports.push_back({.format = parse_export_format(format), .overwrite = true});
+  return exports;
+}
+
 int run_job(const Job& job, const Options& options) {
   const ThreadLimit threads(options.threads);
   Progress progress(stdout, progress_mode(options), options.quiet);

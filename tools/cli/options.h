@@ -36,9 +36,14 @@ struct Options {
   std::optional<std::string> map;  // inspect: "limit" | "young"
   bool picture = false;            // inspect: of bodies inside each other
 
+  std::optional<std::string> format;  // export: "pc2"
+  std::optional<std::string> bodies;  // export: "cow,obstacle.plate"
+  std::optional<double> scale;        // export: on all lengths
+  std::vector<std::string> exports;   // run, drop: --export FORMAT
+
   std::optional<std::string> height;  // "1.8 m": drop, turntable, inspect: of the mesh
   std::optional<std::string> unit;    // "cm", or metres as a number
-  std::optional<std::string> up;      // "x" | "y" | "z"
+  std::optional<std::string> up;      // "x" | "y" | "z": of the mesh file; export: of what is written
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
   std::optional<int> count;            // drop: of bodies in all
@@ -80,6 +85,9 @@ std::optional<long long> memory_limit(const Options& options);
 
 /// threads: see ThreadLimit.
 RunOptions run_options(const Options& options, int threads);
+
+/// What --export asks for. Throws Error (usage).
+std::vector<ExportOptions> job_exports(const Options& options);
 
 /// Does the job with the threads and the progress that the options ask for; returns the exit code.
 int run_job(const Job& job, const Options& options);

@@ -10,6 +10,7 @@ int run_scene(const Options& options) {
   job.scene = load_scene(single_input(options, "scene"), scene_overrides(options));
   job.folder = output_folder(options, job.scene.name);
   job.existing = existing_folder(options);
+  job.exports = job_exports(options);
   return run_job(job, options);
 }
 
@@ -26,8 +27,8 @@ Verb run_verb() {
                        "umax run beam --set body.beam.limit.energy=0.1J --set clip.frames=60"},
           .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
           .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--allow-overlap",
-                      "--quick", "--engine", "--samples", "--size", "--seed", "--threads", "--memory", "--progress",
-                      "--quiet", "--verbose"},
+                      "--quick", "--export", "--engine", "--samples", "--size", "--seed", "--threads", "--memory",
+                      "--progress", "--quiet", "--verbose"},
           .run = run_scene};
 }
 

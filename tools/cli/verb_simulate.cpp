@@ -10,6 +10,7 @@ int simulate_scene(const Options& options) {
   job.scene = load_scene(single_input(options, "scene"), scene_overrides(options));
   job.folder = output_folder(options, job.scene.name);
   job.existing = existing_folder(options);
+  job.exports = job_exports(options);
   job.pictures = false;
   return run_job(job, options);
 }
@@ -26,7 +27,7 @@ Verb simulate_verb() {
           "--resume it goes on from the last whole state; the result is the same to the last bit as without the break.",
       .examples = {"umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100"},
       .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
-      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--allow-overlap",
+      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--allow-overlap", "--export",
                   "--threads", "--memory", "--progress", "--quiet", "--verbose"},
       .run = simulate_scene};
 }

@@ -13,6 +13,7 @@
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
 #include "tools/run/clip.h"
+#include "tools/run/export_run.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/job_estimate.h"
 #include "tools/run/run_record.h"
@@ -82,8 +83,9 @@ void tell_cost(const Simulation& simulation, long long steps, long long memory, 
 }
 
 /// What the folder is needed for, checked as long as nothing has been written.
-void check_before_start(const Job& job) {
+void check_before_start(const Job& job, const std::vector<int>& frames) {
   check_run_folder(job.folder, job.existing);
+  for (const ExportOptions& options : job.exports) check_export(options, frames);
   if (!job.pictures) return;
   require_even_size(job.scene.render.width, job.scene.render.height);
   require_clip_encoder();
@@ -128,6 +130,16 @@ int simulate_stage(const JobInHand& hand) {
   return result.signal;
 }
 
+/// Exports; returns the signal that stopped it, or 0.
+int export_stage(const JobInHand& hand) {
+  for (const ExportOptions& options : hand.job.exports) {
+    const ExportResult result =
+        export_run(hand.simulation, hand.folder.path(), hand.frames, hand.folder.exports(), options, hand.progress);
+    if (result.signal != 0) return result.signal;
+  }
+  return 0;
+}
+
 /// Renders and encodes; returns the signal that stopped it, or 0.
 int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   const Scene& scene = hand.job.scene;
@@ -159,6 +171,7 @@ int do_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
   const SignalWatch watch;
   int signal = 0;
   if (hand.job.simulate) signal = simulate_stage(hand);
+  if (signal == 0) signal = export_stage(hand);
   if (hand.job.pictures && signal == 0) {
     const RunPictures pictures =
         ready ? std::move(*ready) : pictures_of_run(hand.simulation, hand.folder.path(), hand.frames);
@@ -193,7 +206,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
   const std::vector<int> frames =
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
-  check_before_start(job);
+  check_before_start(job, frames);
   const long long steps = steps_left(job, frames.back());
   const long long memory = options.memory ? *options.memory : available_memory();
   // before cages are made that no memory holds, and before they are filled

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/exchange/exported_things.h"
 #include "tools/run/render_frames.h"
 
 namespace umax {
@@ -18,9 +19,10 @@ struct Job {
   std::filesystem::path folder;
   ExistingFolder existing = ExistingFolder::refuse;
   bool simulate = true;
-  bool pictures = true;               // and the clip
-  bool replace_pictures = false;      // those that are there go first
-  std::optional<int> default_frames;  // how many frames without --frames; unset: the clip's
+  bool pictures = true;                     // and the clip
+  bool replace_pictures = false;            // those that are there go first
+  std::optional<int> default_frames;        // how many frames without --frames; unset: the clip's
+  std::vector<ExportOptions> exports = {};  // of the states, once they are there
   /// The pictures to make, when they are not those of the folder's own states.
   std::function<RunPictures(const Simulation&, const std::vector<int>& frames)> make_pictures;
 };

@@ -63,14 +63,6 @@ std::string legend_text(const Stage& stage) {
   return fmt::format("heat to {} {} {} ", legend.high, legend.ends_at_limit, legend.slack);
 }
 
-void require_states(const std::filesystem::path& run, const std::vector<int>& frames) {
-  for (const int frame : frames)
-    if (std::error_code error; !std::filesystem::exists(state_path(run, frame), error))
-      throw Error(Fault::not_found, {.where = state_path(run, frame).string(),
-                                     .what = "there is no state of this frame",
-                                     .remedy = "simulate it first, or name other frames with --frames"});
-}
-
 }  // namespace
 
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
@@ -88,6 +80,13 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
                      camera);
   };
   return pictures;
+}
+
+Camera camera_of_run(const Simulation& simulation, const std::filesystem::path& run) {
+  const CameraDescription& camera = simulation.scene.camera;
+  const bool is_given = camera.position && camera.target;
+  const Motion motion = is_given ? Motion() : motion_of(simulation, run);
+  return frame_camera(camera, motion.box, aspect_of(simulation.scene.render));
 }
 
 RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames) {

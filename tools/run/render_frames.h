@@ -35,6 +35,9 @@ struct RunPictures {
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames);
 
+/// The camera of those pictures.
+Camera camera_of_run(const Simulation& simulation, const std::filesystem::path& run);
+
 /// A circle around one state in clip.frames pictures, of which `frames` are wanted.
 RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames);
 

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "tools/exchange/export_files.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/run_record.h"
 #include "tools/run/step_plots.h"
@@ -57,6 +58,7 @@ void empty_run(const RunFolder& folder) {
   // the record goes last: until then the folder is known as a run's, should we be killed in between
   folder.remove_pictures();
   remove_numbered(folder.states(), {".state"});
+  remove_exports(folder.exports());
   std::error_code error;
   for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
   remove_if_empty(folder.plots());
@@ -130,6 +132,14 @@ fs::path picture_path(const fs::path& run_folder, int frame) {
 
 int count_states(const fs::path& run_folder) {
   return count_up_to_gap([&](int frame) { return state_path(run_folder, frame); });
+}
+
+void require_states(const fs::path& run_folder, const std::vector<int>& frames) {
+  for (const int frame : frames)
+    if (std::error_code error; !fs::exists(state_path(run_folder, frame), error))
+      throw Error(Fault::not_found, {.where = state_path(run_folder, frame).string(),
+                                     .what = "there is no state of this frame",
+                                     .remedy = "simulate it first, or name other frames with --frames"});
 }
 
 int count_pictures(const fs::path& run_folder) {

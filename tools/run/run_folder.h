@@ -12,6 +12,11 @@ namespace umax {
 /// Throws what RunFolder would throw for a folder that is there already. Changes nothing: for a look before long work.
 void check_run_folder(const std::filesystem::path& path, ExistingFolder existing);
 
+/// Where exports of a run go unless the user says otherwise.
+inline std::filesystem::path exports_path(const std::filesystem::path& run_folder) {
+  return run_folder / "export";
+}
+
 /// Owns the lock on a run's folder while it lives.
 class RunFolder {
  public:
@@ -26,6 +31,7 @@ class RunFolder {
   std::filesystem::path states() const { return path() / "states"; }
   std::filesystem::path frames() const { return path() / "frames"; }
   std::filesystem::path plots() const { return path() / "plots"; }
+  std::filesystem::path exports() const { return exports_path(path()); }
   std::filesystem::path state(int frame) const;
   std::filesystem::path picture(int frame, const std::string& extension = ".png") const;
 
@@ -53,6 +59,9 @@ bool is_run_folder(const std::filesystem::path& path);
 
 /// Frames whose state files are there, from 1 up to the first gap.
 int count_states(const std::filesystem::path& run_folder);
+
+/// Throws Error (not_found) that names the first of the frames whose state is missing.
+void require_states(const std::filesystem::path& run_folder, const std::vector<int>& frames);
 
 /// Frames whose pictures are there, from 1 up to the first gap.
 int count_pictures(const std::filesystem::path& run_folder);

@@ -1,0 +1,66 @@
+#include "embedding/caches/obj_file.h"
+
+#include <fmt/format.h>
+
+#include "core/base/srgb.h"
+#include "embedding/caches/corner_values.h"
+#include "embedding/caches/number_text.h"
+
+namespace umax {
+namespace {
+
+/// Vertices with their colours, as the many programs take them that know colours in OBJ: sRGB behind the position.
+void append_vertices(std::string& out, const MovingSurface& surface, const FloatPoints& positions) {
+  const bool has_colors = surface.colors.rows() > 0;
+  for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+    out += "v ";
+    append_row(out, positions.row(v), " ");
+    if (has_colors) {
+      out += ' ';
+      append_row(out, surface.colors.row(v).unaryExpr(&srgb_from_linear<float>).eval(), " ");
+    }
+    out += '\n';
+  }
+}
+
+void append_faces(std::string& out, const Triangles& triangles, const CornerValues& texture) {
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    out += 'f';
+    for (int k = 0; k < 3; ++k) {
+      out += ' ';
+      append_number(out, triangles(t, k) + 1);
+      if (texture.values.empty()) continue;
+      out += '/';
+      append_number(out, texture.index[std::size_t(3 * t + k)] + 1);
+    }
+    out += '\n';
+  }
+}
+
+}  // namespace
+
+std::string obj_text(const MovingSurface& surface, const FloatPoints& positions) {
+  const CornerValues texture = distinct_values(surface.texture_coordinates);
+  std::string out = "mtllib " + surface.material.library + "\no " + surface.name + "\n";
+  append_vertices(out, surface, positions);
+  for (const Eigen::RowVector2f& uv : texture.values) {
+    out += "vt ";
+    append_row(out, uv, " ");
+    out += '\n';
+  }
+  out += "usemtl " + surface.name + "\ns 1\n";
+  append_faces(out, surface.triangles, texture);
+  return out;
+}
+
+std::string mtl_text(const MovingSurface& surface) {
+  const SurfaceMaterial& material = surface.material;
+  const Vector3f& color = material.base_color;  // linear, as programs take Kd
+  std::string text = fmt::format("newmtl {}\nKd {} {} {}\nPr {}\nPm {}\nPc {}\nPcr {}\nNi {}\n", surface.name,
+                                 color.x(), color.y(), color.z(), material.roughness, material.metallic,
+                                 material.clearcoat, material.clearcoat_roughness, material.ior);
+  if (!material.texture.empty()) text += "map_Kd " + material.texture + "\n";
+  return text;
+}
+
+}  // namespace umax

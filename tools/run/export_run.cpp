@@ -1,0 +1,21 @@
+#include "tools/run/export_run.h"
+
+#include <fmt/format.h>
+
+#include "tools/run/render_frames.h"
+
+namespace umax {
+
+ExportResult export_run(const Simulation& simulation, const std::filesystem::path& run, const std::vector<int>& frames,
+                        const std::filesystem::path& folder, const ExportOptions& options, Progress& progress) {
+  require_states(run, frames);
+  const ClipSource source{
+      .state = [&](int frame) { return read_state(state_path(run, frame), simulation.model, simulation.digest); },
+      .camera = [&] { return camera_of_run(simulation, run); }};
+  ExportResult result = export_clip(simulation, source, frames, folder, options, progress);
+  if (result.signal == 0)
+    progress.note(fmt::format("{}: {} ({} frames)", traits_of(options.format).name, folder.string(), frames.size()));
+  return result;
+}
+
+}  // namespace umax
