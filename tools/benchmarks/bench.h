@@ -32,6 +32,7 @@ std::vector<Benchmark> multigrid_benchmarks();    // bench_multigrid.cpp
 std::vector<Benchmark> large_cage_benchmarks();   // bench_large_cages.cpp
 std::vector<Benchmark> program_benchmarks();      // bench_program.cpp: the built program, from outside
 std::vector<Benchmark> penetration_benchmarks();  // bench_penetration.cpp
+std::vector<Benchmark> export_benchmarks();       // bench_export.cpp
 std::vector<Benchmark> picture_benchmarks();      // bench_pictures.cpp
 
 /// The file in UMAX_MODELS.

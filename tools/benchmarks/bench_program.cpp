@@ -1,6 +1,5 @@
 // Figures of the program as a whole: run from outside, in folders of its own.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -14,32 +13,15 @@
 #include "scenes/scene_file.h"
 #include "tools/benchmarks/bench.h"
 #include "tools/benchmarks/measured_command.h"
+#include "tools/benchmarks/scratch_folder.h"
 #include "tools/reproduce/experiments.h"
 #include "tools/run/steps_csv.h"
 
 namespace umax {
 namespace {
 
-// a folder that goes with the benchmark
-struct ScratchFolder {
-  std::filesystem::path path;
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "umax-bench-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no scratch folder in " + name);
-    path = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
 double gibibytes(double bytes) {
   return bytes / (1024.0 * 1024.0 * 1024.0);
-}
-
-std::string program() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "umax").string();
 }
 
 BenchRows demo() {
