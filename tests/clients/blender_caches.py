@@ -55,8 +55,10 @@ for path in job["meshes"]:
     clear()
     if path.endswith(".obj"):
         bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
-    else:
+    elif bpy.app.version < (4, 0):
         bpy.ops.import_mesh.ply(filepath=path)
+    else:
+        bpy.ops.wm.ply_import(filepath=path, forward_axis="Y", up_axis="Z")
     thing = the_import()
     told[path] = dict(points=points(thing), uvs=len(thing.data.uv_layers), colors=len(thing.data.color_attributes))
 open(job["answer"], "w").write(json.dumps(told))

@@ -137,6 +137,23 @@ TEST_CASE("obstacles move as they are keyed") {
   }
 }
 
+TEST_CASE("a body and an obstacle may have one name, and what is not seen is exported by its name alone") {
+  const std::string scene =
+      "[body.plate]\nshape = \"box\"\nposition = [0, 2, 0]\ncage.cells = [1, 1, 1]\n"
+      "[obstacle.plate]\nshape = \"plane\"\n[obstacle.wall]\nshape = \"box\"\nsize = [1, 1, 1]\nvisible = false\n";
+  const Simulation simulation = set_up(parse_scene({.text = scene}, {}));
+  const auto stems = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> found;
+    for (const ExportedThing& thing : things_to_export(simulation, {.things = names})) found.push_back(thing.stem);
+    return found;
+  };
+  CHECK(stems({}) == std::vector<std::string>{"plate", "obstacle.plate"});
+  CHECK(stems({"plate"}) == std::vector<std::string>{"plate"});
+  CHECK(stems({"obstacle.plate"}) == std::vector<std::string>{"obstacle.plate"});
+  CHECK(stems({"wall"}) == std::vector<std::string>{"obstacle.wall"});
+  CHECK(failure_of([&] { stems({"walls"}); }).code == 2);
+}
+
 TEST_CASE("velocities are what positions change by") {
   const ExportOptions options{.format = ExportFormat::ply, .z_up = true, .scale = 10};
   for (const ExportedThing& thing : things_to_export(block(), options)) {
