@@ -3,10 +3,12 @@ import json
 import struct
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 # a mesh whose corners have texture coordinates that no vertex order survives unless it is kept, and paint
-CUBE = """v -0.2 0 -0.2 1 0 0
+CUBE = """mtllib cube.mtl
+v -0.2 0 -0.2 1 0 0
 v 0.2 0 -0.2 0 1 0
 v 0.2 0 0.2 0 0 1
 v -0.2 0 0.2 1 1 0
@@ -18,6 +20,7 @@ vt 0 0
 vt 1 0
 vt 1 1
 vt 0 1
+usemtl skin
 f 1/1 2/2 3/3 4/4
 f 8/4 7/3 6/2 5/1
 f 1/1 5/2 6/3 2/4
@@ -61,6 +64,16 @@ FPS = 30
 MOVING = ["cube", "ball", "obstacle.plate"]
 
 
+def png(width, height):
+    """a picture of stripes"""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + bytes([255, 64 * (x % 4), 32 * y % 256][k] for x in range(width) for k in range(3))
+                    for y in range(height))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 class Program:
     """umax, and the run in `folder` that it exports."""
 
@@ -68,6 +81,8 @@ class Program:
         self.path = str(Path(path).resolve())
         self.folder = Path(folder)
         (self.folder / "cube.obj").write_text(CUBE)
+        (self.folder / "cube.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+        (self.folder / "skin.png").write_bytes(png(4, 4))
         (self.folder / "clip.toml").write_text(SCENE)
         self(["simulate", "clip.toml", "-o", "clip"])
 

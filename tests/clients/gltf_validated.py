@@ -62,6 +62,7 @@ def test(umax, folder, node_folder):
             assert error <= 1e-6 * size, (name, number, error / size)
         if name == "cube":
             check_copies(seen, frames)
+            assert seen["texture"] == (export / "cube.png").stat().st_size == (folder / "skin.png").stat().st_size
             assert points_of(seen["colors"])[0] == (1, 0, 0)
         else:
             assert seen["coordinates"] is None and seen["colors"] is None

@@ -26,6 +26,7 @@ for (const file of process.argv.slice(2)) {
     colors: numbers(primitive.getAttribute('COLOR_0')),
     targets: primitive.listTargets().map(target => numbers(target.getAttribute('POSITION'))),
     times: numbers(sampler?.getInput()), weights: numbers(sampler?.getOutput()),
+    texture: primitive.getMaterial().getBaseColorTexture()?.getImage()?.byteLength,
     baseColor: primitive.getMaterial().getBaseColorFactor(),
     camera: camera && {translation: camera.getTranslation(), yfov: camera.getCamera().getYFov()},
   };

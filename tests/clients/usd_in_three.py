@@ -72,6 +72,7 @@ def check_short_clip(umax, folder, node_folder):
         if name == "cube":
             assert len(surface("primvars:st:indices")["default"]) == 36
             assert points_of(surface("primvars:displayColor")["default"])[0] == (1, 0, 0)
+            assert "cube.png" in str(seen[f"{prim}/material/texture.inputs:file"]["default"])
 
 
 def check_stage(seen):

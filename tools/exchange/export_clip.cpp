@@ -57,9 +57,16 @@ fs::path folder_beside(const ExportInHand& hand, const ExportedThing& thing) {
   return in_folder ? hand.folder.file_of(thing, hand.format) : hand.folder.path();
 }
 
+/// glTF knows PNG and JPEG only.
+bool takes_texture(ExportFormat format, const fs::path& texture) {
+  if (texture.empty()) return false;
+  const std::string ending = texture.extension().string();
+  return format != ExportFormat::gltf || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
 /// Puts the texture beside the thing's files and names it in its material.
 void copy_texture(const ExportInHand& hand, ExportedThing& thing) {
-  if (thing.texture.empty()) return;
+  if (!takes_texture(hand.options.format, thing.texture)) return;
   thing.surface.material.texture = thing.stem + thing.texture.extension().string();
   const fs::path copy = folder_beside(hand, thing) / thing.surface.material.texture;
   hand.folder.claim({copy});
