@@ -13,23 +13,25 @@ namespace umax::codec {
 constexpr int max_extent = 65536;             // [px] per side
 constexpr std::size_t max_pixels = 1u << 28;  // 268 megapixels: beyond is taken for a damaged header
 
-struct Codes {  // a PNG's own numbers
+struct Codes {  // a PNG's or JPEG's own numbers
   int width = 0, height = 0, channels = 3, bits = 8;
   std::vector<std::uint16_t> values;
 };
 
 bool is_png(std::string_view bytes);
+bool is_jpeg(std::string_view bytes);
 bool is_exr(std::string_view bytes);
 bool is_hdr(std::string_view bytes);
 
 Codes decode_png(std::string_view bytes, const std::string& name);
+Codes decode_jpeg(std::string_view bytes, const std::string& name);
 std::vector<Layer> decode_exr(std::string_view bytes, const std::string& name);
 Image decode_hdr(std::string_view bytes, const std::string& name);
 std::string encode_exr(const std::vector<Layer>& layers, const ExrAttributes& attributes, const std::string& name);
 
 /// Throws Error 65 "is not a whole picture".
 [[noreturn]] inline void fail_data(const std::string& name, const std::string& what) {
-  throw Error(Fault::bad_data, {name, what, "", "give a whole PNG, EXR or HDR file"});
+  throw Error(Fault::bad_data, {name, what, "", "give a whole PNG, JPEG, EXR or HDR file"});
 }
 
 }  // namespace umax::codec

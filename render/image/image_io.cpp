@@ -32,7 +32,11 @@ Image image_from_codes(const codec::Codes& codes, PngValues png_values) {
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, PngValues png_values) {
-  const std::string bytes = read_file(path), name = path.string();
+  return decode_image(read_file(path), path.string(), png_values);
+}
+
+Image decode_image(std::string_view bytes, const std::string& name, PngValues png_values) {
+  if (codec::is_jpeg(bytes)) return image_from_codes(codec::decode_jpeg(bytes, name), png_values);
   if (codec::is_png(bytes)) return image_from_codes(codec::decode_png(bytes, name), png_values);
   if (codec::is_exr(bytes)) return codec::decode_exr(bytes, name).front().image;
   if (codec::is_hdr(bytes)) return codec::decode_hdr(bytes, name);

@@ -1,4 +1,4 @@
-// Reads and writes picture files: PNG (8 and 16 bit), OpenEXR with layers, Radiance .hdr (reading only).
+// Reads and writes picture files: PNG (8 and 16 bit), OpenEXR with layers; JPEG and Radiance .hdr (reading only).
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,15 @@
 
 namespace umax {
 
-/// What the numbers of a PNG become: scene-linear values, or the stored sRGB values in [0, 1] (masks, comparisons).
+/// What the numbers of a PNG or JPEG become: scene-linear values, or the stored sRGB values in [0, 1] (masks, comparisons).
 enum class PngValues { linear, as_stored };
 
-/// Reads PNG, EXR or .hdr, told apart by content. 1, 3 or 4 channels; of an EXR with layers, the colour (else the first
-/// layer). Throws Error 66 (missing), 65 (not a picture, truncated, absurd size), 74.
+/// Reads PNG, JPEG, EXR or .hdr, told apart by content. 1, 3 or 4 channels; of an EXR with layers, the colour (else the
+/// first layer). Throws Error 66 (missing), 65 (not a picture, truncated, absurd size), 74.
 Image read_image(const std::filesystem::path& path, PngValues png_values = PngValues::linear);
+
+/// The same of a file's bytes; name: what messages call it.
+Image decode_image(std::string_view bytes, const std::string& name, PngValues png_values = PngValues::linear);
 
 /// All layers of an EXR file, the colour first, then by name.
 std::vector<Layer> read_exr(const std::filesystem::path& path);

@@ -47,29 +47,31 @@ Vector3f point(const TriangleMesh& mesh, Eigen::Index v) {
   return mesh.positions.row(v).transpose().cast<float>();
 }
 
-Vector3f base_color(const RenderObject& object, Eigen::Index v) {
+Vector3f base_color(const RenderObject& object, const Paint& paint, Eigen::Index v) {
   const TriangleMesh& mesh = *object.mesh;
   const bool painted = object.look.vertex_colors && mesh.colors.rows() == mesh.positions.rows();
-  return painted ? Vector3f(mesh.colors.row(v).transpose().cast<float>()) : object.look.base_color;
+  return painted ? Vector3f(mesh.colors.row(v).transpose().cast<float>()) : paint.base_color;
 }
 
 /// One vertex per mesh vertex: for meshes with normals and without texture.
-void append_shared(const RenderObject& object, Frame& frame) {
+void append_shared(const RenderObject& object, const Paint& paint, Frame& frame) {
   const TriangleMesh& mesh = *object.mesh;
   const auto first = std::uint32_t(frame.vertices.size());
   for (Eigen::Index v = 0; v < mesh.num_vertices(); ++v)
     frame.vertices.push_back(
-        {point(mesh, v), mesh.normals.row(v).transpose().cast<float>(), base_color(object, v), {0, 0}});
+        {point(mesh, v), mesh.normals.row(v).transpose().cast<float>(), base_color(object, paint, v), {0, 0}});
   for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t)
     for (int c = 0; c < 3; ++c) frame.indices.push_back(first + std::uint32_t(mesh.triangles(t, c)));
 }
 
-/// One vertex per triangle corner: for flat shading and texture coordinates.
-void append_corners(const RenderObject& object, Frame& frame) {
+/// One vertex per triangle corner: for flat shading, texture coordinates and meshes of several paints, of which those
+/// triangles are taken that have this one.
+void append_corners(const RenderObject& object, const Paint& paint, int material, Frame& frame) {
   const TriangleMesh& mesh = *object.mesh;
   const bool smooth = mesh.normals.rows() == mesh.num_vertices();
   const bool textured = mesh.texture_coordinates.rows() == 3 * mesh.num_triangles();
   for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t) {
+    if (object.has_paints() && mesh.materials[std::size_t(t)] != material) continue;
     const auto corners = mesh.triangles.row(t);
     const Vector3f a = point(mesh, corners[0]), b = point(mesh, corners[1]), c = point(mesh, corners[2]);
     const Vector3f flat = (b - a).cross(c - a).normalized();
@@ -78,32 +80,40 @@ void append_corners(const RenderObject& object, Frame& frame) {
       Vector2f uv(0, 0);
       if (textured) uv = {mesh.texture_coordinates(3 * t + k, 0), 1 - mesh.texture_coordinates(3 * t + k, 1)};
       frame.indices.push_back(std::uint32_t(frame.vertices.size()));
-      frame.vertices.push_back({point(mesh, corners[k]), normal, base_color(object, corners[k]), uv});
+      frame.vertices.push_back({point(mesh, corners[k]), normal, base_color(object, paint, corners[k]), uv});
     }
   }
 }
 
-void append_object(const RenderObject& object, bool is_ground, Frame& frame) {
-  const TriangleMesh& mesh = *object.mesh;
+raster::Batch batch_of(const RenderObject& object, bool is_ground) {
   const Look& look = object.look;
   const float reflectance = (look.ior - 1) / (look.ior + 1);
   raster::Batch batch;
-  batch.first_index = int(frame.indices.size());
   batch.roughness = std::clamp(look.roughness, 0.0f, 1.0f);
   batch.reflectance = reflectance * reflectance;
   batch.metallic = look.metallic;
   batch.coat = look.clearcoat;
   batch.coat_roughness = look.clearcoat_roughness;
   batch.is_ground = is_ground;
-  const bool textured = look.texture && mesh.texture_coordinates.rows() == 3 * mesh.num_triangles();
-  if (textured) batch.texture = look.texture;
-  if (mesh.normals.rows() == mesh.num_vertices() && !textured) {
-    append_shared(object, frame);
-  } else {
-    append_corners(object, frame);
+  return batch;
+}
+
+/// One batch for each of its paints.
+void append_object(const RenderObject& object, bool is_ground, Frame& frame) {
+  const TriangleMesh& mesh = *object.mesh;
+  const bool has_coordinates = mesh.texture_coordinates.rows() == 3 * mesh.num_triangles();
+  const std::vector<Paint> paints = object.paints();
+  for (std::size_t material = 0; material < paints.size(); ++material) {
+    raster::Batch batch = batch_of(object, is_ground);
+    batch.first_index = int(frame.indices.size());
+    if (has_coordinates) batch.texture = paints[material].texture;
+    if (mesh.normals.rows() == mesh.num_vertices() && !batch.texture && !object.has_paints())
+      append_shared(object, paints[material], frame);
+    else
+      append_corners(object, paints[material], int(material), frame);
+    batch.num_indices = int(frame.indices.size()) - batch.first_index;
+    if (batch.num_indices > 0) frame.batches.push_back(batch);
   }
-  batch.num_indices = int(frame.indices.size()) - batch.first_index;
-  frame.batches.push_back(batch);
 }
 
 // ---- what stands on what ----------------------------------------------------------------------------------------
@@ -158,7 +168,7 @@ Arrangement arrange(const RenderScene& scene) {
     const bool ground = !things.empty() && is_flat(box) && half > 1.5f * result.focus.radius;
     result.is_ground.push_back(ground);
     if (!ground) continue;
-    result.ground = {true, box.center()[1], base_color(object, 0)};
+    result.ground = {true, box.center()[1], base_color(object, object.paints().front(), 0)};
     // a wide plane fades into the horizon; a small one ends where it ends
     if (half > 6 * result.focus.radius)
       result.fade = {box.center()[0], box.center()[2], 1.5f * result.focus.radius,

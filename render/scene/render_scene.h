@@ -13,6 +13,12 @@
 
 namespace umax {
 
+/// Colour of one of a mesh's materials.
+struct Paint {
+  Vector3f base_color{0.6f, 0.6f, 0.6f};      // linear Rec. 709 reflectance
+  std::shared_ptr<const Image> texture = {};  // linear RGB, multiplies base_color
+};
+
 /// Diffuse base under a glossy dielectric (or metallic) layer and an optional clear coat.
 struct Look {
   Vector3f base_color{0.6f, 0.6f, 0.6f};  // linear Rec. 709 reflectance
@@ -22,14 +28,24 @@ struct Look {
   float clearcoat = 0;                    // [0, 1]
   float clearcoat_roughness = 0.03f;
   std::shared_ptr<const Image> texture =
-      {};                      // linear RGB, multiplies base_color where the mesh has texture coordinates
-  bool vertex_colors = false;  // the mesh's colors replace base_color (heat maps, painted meshes)
+      {};                          // linear RGB, multiplies base_color where the mesh has texture coordinates
+  std::vector<Paint> paints = {};  // in place of base_color and texture: of each of the mesh's materials
+  bool vertex_colors = false;      // the mesh's colors replace base_color (heat maps, painted meshes)
 };
 
 struct RenderObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // world space [m]
   Look look;
+
+  /// Whether each material of the mesh has a paint of its own.
+  bool has_paints() const {
+    return !look.paints.empty() && mesh->materials.size() == std::size_t(mesh->num_triangles());
+  }
+  /// What the triangles show: by material where has_paints(), else one for all.
+  std::vector<Paint> paints() const {
+    return has_paints() ? look.paints : std::vector<Paint>{{look.base_color, look.texture}};
+  }
 };
 
 /// Rectangle that emits on the side of cross(edge_u, edge_v).

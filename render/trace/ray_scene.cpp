@@ -32,8 +32,8 @@ struct ObjectData {
   std::vector<Corners> triangles;
   std::vector<Vector3f> colors;               // per vertex, or empty
   std::vector<Vector2f> texture_coordinates;  // per triangle corner, or empty
-  std::shared_ptr<const Image> texture;
-  Vector3f base_color;
+  std::vector<int> paint;                     // per triangle, or empty: the first
+  std::vector<Paint> paints;
   bool has_normals = false;
 };
 
@@ -73,17 +73,29 @@ void copy_triangles(const RenderObject& object, ObjectData& data) {
   }
 }
 
+void copy_paints(const RenderObject& object, ObjectData& data) {
+  data.paints = object.paints();
+  if (!object.has_paints()) return;
+  data.paint = object.mesh->materials;
+  for (std::size_t t = 0; t < data.paint.size(); ++t)
+    if (data.paint[t] < 0 || data.paint[t] >= int(data.paints.size()))
+      throw_bad_mesh(object, "a triangle has a material too many", Eigen::Index(t));
+}
+
 void copy_colors(const RenderObject& object, ObjectData& data) {
   const TriangleMesh& mesh = *object.mesh;
-  data.base_color = object.look.base_color;
+  copy_paints(object, data);
   if (object.look.vertex_colors && mesh.colors.rows() == mesh.num_vertices()) {
     data.colors.resize(mesh.num_vertices());
     for (Eigen::Index i = 0; i < mesh.num_vertices(); ++i)
       data.colors[i] = mesh.colors.row(i).cast<float>().transpose();
   }
-  if (object.look.texture && !object.look.texture->values.empty() &&
-      mesh.texture_coordinates.rows() == 3 * mesh.num_triangles()) {
-    data.texture = object.look.texture;
+  bool has_texture = false;
+  for (Paint& paint : data.paints) {
+    if (paint.texture && paint.texture->values.empty()) paint.texture = nullptr;
+    has_texture |= paint.texture != nullptr;
+  }
+  if (has_texture && mesh.texture_coordinates.rows() == 3 * mesh.num_triangles()) {
     data.texture_coordinates.resize(mesh.texture_coordinates.rows());
     for (Eigen::Index i = 0; i < mesh.texture_coordinates.rows(); ++i)
       data.texture_coordinates[i] = mesh.texture_coordinates.row(i).transpose();
@@ -106,15 +118,16 @@ Vector3f texture_color(const Image& image, const Vector2f& uv) {
 }
 
 Vector3f color_at(const ObjectData& object, const Hit& hit, float w) {
-  Vector3f color = object.base_color;
+  const Paint& paint = object.paints[object.paint.empty() ? 0 : std::size_t(object.paint[hit.triangle])];
+  Vector3f color = paint.base_color;
   if (!object.colors.empty()) {
     const Corners& corners = object.triangles[hit.triangle];
     color = w * object.colors[corners.index[0]] + hit.u * object.colors[corners.index[1]] +
             hit.v * object.colors[corners.index[2]];
   }
-  if (object.texture) {
+  if (paint.texture && !object.texture_coordinates.empty()) {
     const Vector2f* uv = &object.texture_coordinates[3 * std::size_t(hit.triangle)];
-    color = color.cwiseProduct(texture_color(*object.texture, w * uv[0] + hit.u * uv[1] + hit.v * uv[2]));
+    color = color.cwiseProduct(texture_color(*paint.texture, w * uv[0] + hit.u * uv[1] + hit.v * uv[2]));
   }
   return color;
 }

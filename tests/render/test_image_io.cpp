@@ -15,6 +15,7 @@
 #include "core/files/write_file.h"
 #include "render/image/image_io.h"
 #include "tests/support/catch.h"
+#include "tests/support/jpeg_file.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace umax;
@@ -43,6 +44,10 @@ std::optional<Fault> fault_of(const std::function<void()>& action) {
     return error.fault();
   }
   return std::nullopt;
+}
+
+void write_bytes(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
 }
 
 std::size_t num_files(const fs::path& folder) {
@@ -86,6 +91,48 @@ TEST_CASE("a linear picture written as PNG comes back within half a code") {
   for (std::size_t i = 0; i < ramp.values.size(); ++i)
     worst = std::max(worst, std::abs(srgb_from_linear(ramp.values[i]) - srgb_from_linear(back.values[i])));
   CHECK(worst <= 0.501f / 255);
+}
+
+TEST_CASE("JPEG, baseline and progressive, in colour, grey and four inks, is read as the colours that it shows") {
+  const bool progressive = GENERATE(false, true);
+  const auto check = [&](test::JpegSample sample, const std::vector<unsigned char>& left,
+                         const std::vector<unsigned char>& right) {
+    sample.progressive = progressive;
+    const Image image = decode_image(test::jpeg_bytes(sample), "picture", PngValues::as_stored);
+    REQUIRE(image.width == 37);
+    REQUIRE(image.height == 20);
+    REQUIRE(image.channels == int(left.size()));
+    for (int c = 0; c < image.channels; ++c) {
+      CHECK(image.pixel(4, 9)[c] * 255 == Approx(left[std::size_t(c)]).margin(3));
+      CHECK(image.pixel(33, 9)[c] * 255 == Approx(right[std::size_t(c)]).margin(3));
+    }
+  };
+  const std::vector<unsigned char> red{230, 20, 10}, blue{10, 30, 200};
+  check(test::two_colors(37, 20, red, blue), red, blue);
+  check(test::two_colors(37, 20, {200}, {17}), {200}, {17});
+  // inks are stored inverted: cyan, magenta, yellow and black of none is 255
+  check(test::two_colors(37, 20, {255, 128, 255, 255}, {128, 128, 128, 128}), {255, 128, 255}, {64, 64, 64});
+  // linear, as a texture is read
+  write_bytes(output_folder() / "grey.jpg", test::jpeg_bytes(test::two_colors(16, 16, {188}, {188})));
+  CHECK(read_image(output_folder() / "grey.jpg").pixel(8, 8)[0] == Approx(0.503).margin(0.01));
+}
+
+TEST_CASE("JPEG files that are cut or damaged are refused by name") {
+  const std::string whole = test::jpeg_bytes(test::two_colors(64, 64, {230, 20, 10}, {10, 30, 200}));
+  CHECK(decode_image(whole, "x").width == 64);
+  for (std::size_t size = 3; size + 2 < whole.size(); size += 7)
+    CHECK(fault_of([&] { decode_image(whole.substr(0, size), "x"); }) == Fault::bad_data);
+  std::string huge = whole;
+  const std::size_t frame = huge.find("\xff\xc0");
+  REQUIRE(frame != huge.npos);
+  for (const std::size_t at : {5, 6, 7, 8}) huge[frame + at] = '\xff';
+  CHECK(fault_of([&] { decode_image(huge, "x"); }) == Fault::bad_data);
+  for (std::size_t at = 2; at < whole.size(); at += 3) {
+    std::string spoilt = whole;
+    spoilt[at] = char(spoilt[at] ^ 0x55);
+    const auto fault = fault_of([&] { decode_image(spoilt, "x"); });
+    CHECK((!fault || fault == Fault::bad_data));
+  }
 }
 
 TEST_CASE("EXR layers come back bit for bit under their names") {

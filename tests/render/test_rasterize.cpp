@@ -161,6 +161,29 @@ TEST_CASE("vertex colours and textures reach the picture, upright") {
   CHECK(at(image, 20, 26)[2] > 0.5f);
 }
 
+TEST_CASE("each triangle shows the paint of its material, with its texture") {
+  RenderScene scene = empty_scene();
+  scene.sky = ConstantSky{{1, 1, 1}};
+  TriangleMesh wall = make_wall(0);
+  wall.materials = {1, 0};
+  wall.texture_coordinates.setConstant(6, 2, 0.5f);
+  auto blue = std::make_shared<Image>(1, 1, 3);
+  blue->values = {0, 0, 1};
+  Look look = matt({1, 1, 1});
+  look.paints = {{{1, 0, 0}, nullptr}, {{1, 1, 1}, blue}};
+  for (const bool smooth : {false, true}) {
+    wall.normals = smooth ? Points(Vector3d(0, 0, 1).transpose().replicate(4, 1)) : Points();
+    scene.objects = {make_object("wall", wall, look)};
+    const Image image = draw(scene, 40, 40);
+    const Vector3f below = at(image, 25, 25), above = at(image, 15, 15);  // of the diagonal
+    CAPTURE(smooth, below.transpose(), above.transpose());
+    CHECK(below[2] > 0.5f);
+    CHECK(below[0] < 0.1f);
+    CHECK(above[0] > 0.5f);
+    CHECK(above[2] < 0.1f);
+  }
+}
+
 TEST_CASE("a wire covers as many pixels as it is wide, at every angle") {
   for (const double angle : {0.0, 0.3, 0.7854}) {
     for (const float width : {1.0f, 2.0f, 5.0f}) {

@@ -145,12 +145,45 @@ TEST_CASE("colour comes from the look, the vertices or the texture") {
     mesh.texture_coordinates << 0.25f, 0.5f, 0.75f, 0.5f, 0.5f, 0.5f, 0.25f, 0.5f, 0.5f, 0.5f, 0.1f, 0.5f;
     expected = 0.5f * Vector3f(0.25f, 0.3f, 1);  // u = 0.375: a quarter of the way from texel to texel
   }
+  SECTION("paints of the mesh's materials") {
+    auto image = std::make_shared<Image>(1, 1);
+    image->values = {0.5f, 1, 1};
+    look.paints = {{{1, 0, 0}, nullptr}, {{0.5f, 0.5f, 1}, image}};
+    mesh.materials = {1, 1};
+    mesh.texture_coordinates.setZero(6, 2);
+    expected = {0.25f, 0.5f, 1};
+  }
+  SECTION("a paint whose texture needs coordinates that the mesh does not have") {
+    auto image = std::make_shared<Image>(1, 1);
+    look.paints = {{{1, 0, 0}, image}, {{0, 1, 0}, nullptr}};
+    mesh.materials = {0, 0};
+    expected = {1, 0, 0};
+  }
   RenderScene scene;
   scene.objects.push_back(render_object(mesh, look));
   const RayScene rays(scene);
   const Hit hit = rays.intersect({.origin = {0, 1, 0}, .direction = {0, -1, 0}});
   REQUIRE(hit.found());
   CHECK((rays.surface(hit, {0, -1, 0}).base_color - expected).norm() < 1e-4f);
+}
+
+TEST_CASE("each triangle has the paint of its material") {
+  TriangleMesh mesh = floor_square(1);
+  mesh.materials = {0, 1};
+  RenderScene scene;
+  scene.objects.push_back(render_object(mesh, {.paints = {{{1, 0, 0}, nullptr}, {{0, 0, 1}, nullptr}}}));
+  const RayScene rays(scene);
+  int seen[2] = {};
+  for (const float x : {-0.5f, 0.5f})
+    for (const float z : {-0.4f, 0.4f}) {
+      const Hit hit = rays.intersect({.origin = {x, 1, z}, .direction = {0, -1, 0}});
+      REQUIRE(hit.found());
+      const Vector3f color = rays.surface(hit, {0, -1, 0}).base_color;
+      CHECK(color == (hit.triangle == 0 ? Vector3f(1, 0, 0) : Vector3f(0, 0, 1)));
+      ++seen[hit.triangle];
+    }
+  CHECK(seen[0] > 0);
+  CHECK(seen[1] > 0);
 }
 
 TEST_CASE("meshes that cannot be traced are refused by name") {
@@ -165,7 +198,12 @@ TEST_CASE("meshes that cannot be traced are refused by name") {
   SECTION("not a number") {
     mesh.positions(3, 1) = NAN;
   }
-  scene.objects.push_back(render_object(mesh));
+  Look look;
+  SECTION("a material without a paint") {
+    mesh.materials = {0, 2};
+    look.paints = {Paint{}, Paint{}};
+  }
+  scene.objects.push_back(render_object(mesh, look));
   CHECK_THROWS_AS(RayScene(scene), Error);
 }
 

@@ -140,18 +140,19 @@ bool is_standard(const std::string& target) {
 /// The library that a third-party header belongs to.
 std::string library_of(const std::string& target) {
   static const std::vector<std::pair<std::string, std::string>> prefixes{
-      {"Eigen/", "Eigen"},     {"tbb/", "TBB"},
-      {"oneapi/", "TBB"},      {"cholmod.h", "CHOLMOD"},
-      {"cblas.h", "BLAS"},     {"assimp/", "assimp"},
-      {"openvdb/", "OpenVDB"}, {"tiny_obj_loader.h", "tinyobjloader"},
-      {"embree3/", "Embree"},  {"embree4/", "Embree"},
-      {"GL/", "OSMesa"},       {"Imf", "OpenEXR"},
-      {"OpenEXR/", "OpenEXR"}, {"Iex", "OpenEXR"},
-      {"png.h", "libpng"},     {"zlib.h", "zlib"},
-      {"cairo", "Cairo"},      {"toml++/", "toml++"},
-      {"openssl/", "OpenSSL"}, {"CLI/", "CLI11"},
-      {"nlohmann/", "json"},   {"pugixml.hpp", "pugixml"},
-      {"fmt/", "fmt"},         {"ceres/", "Ceres"}};
+      {"Eigen/", "Eigen"},      {"tbb/", "TBB"},
+      {"oneapi/", "TBB"},       {"cholmod.h", "CHOLMOD"},
+      {"cblas.h", "BLAS"},      {"assimp/", "assimp"},
+      {"openvdb/", "OpenVDB"},  {"tiny_obj_loader.h", "tinyobjloader"},
+      {"embree3/", "Embree"},   {"embree4/", "Embree"},
+      {"GL/", "OSMesa"},        {"Imf", "OpenEXR"},
+      {"OpenEXR/", "OpenEXR"},  {"Iex", "OpenEXR"},
+      {"png.h", "libpng"},      {"zlib.h", "zlib"},
+      {"jpeglib.h", "libjpeg"}, {"jerror.h", "libjpeg"},
+      {"cairo", "Cairo"},       {"toml++/", "toml++"},
+      {"openssl/", "OpenSSL"},  {"CLI/", "CLI11"},
+      {"nlohmann/", "json"},    {"pugixml.hpp", "pugixml"},
+      {"fmt/", "fmt"},          {"ceres/", "Ceres"}};
   for (const auto& [prefix, library] : prefixes)
     if (target.starts_with(prefix)) return library;
   return "unknown (" + target + ")";
@@ -173,6 +174,7 @@ const std::map<std::string, std::set<std::string>> rooms_of_library{
       "tools/system"}},
     {"assimp", {"embedding/mesh_files"}},
     {"json", {"tools/cli", "tools/reproduce", "tools/run", "tools/tune"}},
+    {"libjpeg", {"render/image"}},
     {"libpng", {"render/image"}},
     {"pugixml", {"embedding/hex_files"}},
     {"tinyobjloader", {"embedding/mesh_files"}},
