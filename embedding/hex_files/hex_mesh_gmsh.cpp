@@ -1,4 +1,4 @@
-// Gmsh .msh, formats 2.2 and 4.1, as text and binary (little-endian).
+// Gmsh .msh, formats 1 (text), 2, 4.0 and 4.1 (text and binary, little-endian).
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -18,36 +18,24 @@ class GmshReader {
   }
 
   HexFile read() {
-    bool has_format = false, has_nodes = false, has_elements = false;
     while (!scan_.at_end()) {
       const std::string section(scan_.word());
       if (!section.starts_with('$'))
         scan_.refuse("must begin a section such as $Nodes", '"' + section.substr(0, 40) + '"');
-      if (section == "$NOD" || section == "$ELM") refuse_version("1");
-      if (section != "$MeshFormat" && !has_format) scan_.refuse("has no $MeshFormat before it", section);
-      if ((section == "$Nodes" && has_nodes) || (section == "$Elements" && has_elements))
-        scan_.refuse("comes a second time", section);
-      if (section == "$Elements" && !has_nodes) scan_.refuse("comes before $Nodes", section);
-      if (section == "$MeshFormat") {
-        read_format();
-        has_format = true;
-      } else if (section == "$Nodes") {
-        version_ == 2 ? read_nodes_2() : read_nodes_4();
-        has_nodes = true;
-      } else if (section == "$Elements") {
-        version_ == 2 ? read_elements_2() : read_elements_4();
-        has_elements = true;
-      } else {
+      require_order(section);
+      if (!read_section(section)) {
         scan_.skip_past("$End" + section.substr(1));
         continue;
       }
-      const std::string end = "$End" + section.substr(1);
+      const std::string end = (version_ == Version::v1 ? "$END" : "$End") + section.substr(1);
       if (scan_.at_end() || scan_.peek() != end)
         scan_.refuse("has no \"" + end + "\" where it should end", std::string(scan_.peek().substr(0, 40)));
       scan_.word();
     }
-    if (!has_format || !has_nodes || !has_elements)
-      scan_.refuse(!has_format ? "has no $MeshFormat" : !has_nodes ? "has no $Nodes" : "has no $Elements");
+    if (version_ == Version::none || !has_nodes_ || !has_elements_)
+      scan_.refuse(version_ == Version::none ? "has no $MeshFormat"
+                   : !has_nodes_             ? "has no $Nodes"
+                                             : "has no $Elements");
     return std::move(file_);
   }
 
@@ -57,12 +45,45 @@ class GmshReader {
                  "save it as version 4.1 or 2.2: gmsh IN.msh -save -format msh41 -o OUT.msh");
   }
 
+  enum class Version { none, v1, v2, v4_0, v4_1 };
+
+  /// Format 1 says what it is by the names of its sections.
+  void require_order(const std::string& section) {
+    if (version_ == Version::none && section == "$NOD") version_ = Version::v1;
+    if (section != "$MeshFormat" && version_ == Version::none) scan_.refuse("has no $MeshFormat before it", section);
+    const bool nodes = section == "$Nodes" || section == "$NOD", elements = section == "$Elements" || section == "$ELM";
+    if ((nodes && has_nodes_) || (elements && has_elements_)) scan_.refuse("comes a second time", section);
+    if (elements && !has_nodes_) scan_.refuse("comes before $Nodes", section);
+    has_nodes_ |= nodes;
+    has_elements_ |= elements;
+  }
+
+  /// False for a section that means nothing to us.
+  bool read_section(const std::string& section) {
+    if (section == "$MeshFormat") return read_format(), true;
+    if (section == (version_ == Version::v1 ? "$NOD" : "$Nodes")) return read_nodes(), true;
+    if (section == (version_ == Version::v1 ? "$ELM" : "$Elements")) return read_elements(), true;
+    return false;
+  }
+
+  void read_nodes() {
+    if (version_ == Version::v1 || version_ == Version::v2) return read_nodes_2();
+    version_ == Version::v4_0 ? read_nodes_4_0() : read_nodes_4_1();
+  }
+  void read_elements() {
+    if (version_ == Version::v1) return read_elements_1();
+    if (version_ == Version::v2) return read_elements_2();
+    version_ == Version::v4_0 ? read_elements_4_0() : read_elements_4_1();
+  }
+
   void read_format() {
     const std::string version(scan_.word());
     if (version == "2" || version == "2.1" || version == "2.2")
-      version_ = 2;
+      version_ = Version::v2;
+    else if (version == "4" || version == "4.0")
+      version_ = Version::v4_0;
     else if (version == "4.1")
-      version_ = 4;
+      version_ = Version::v4_1;
     else
       refuse_version(version);
     binary_ = scan_.integer("the file type") == 1;
@@ -131,6 +152,20 @@ class GmshReader {
     }
   }
 
+  void read_elements_1() {
+    const long long count = scan_.integer("the number of elements");
+    scan_.require_room(count, 12, "elements");
+    for (long long i = 0; i < count; ++i) {
+      const long long id = scan_.integer("an element's number");
+      const CellKind& kind = kind_of(scan_.integer("an element's type"));
+      scan_.integer("a region"), scan_.integer("an entity's number");
+      if (const long long nodes = scan_.integer("the number of nodes"); kind.num_nodes >= 0 && nodes != kind.num_nodes)
+        scan_.refuse(fmt::format("gives element {} a wrong number of nodes", id),
+                     fmt::format("{} of {}", nodes, kind.num_nodes));
+      read_element(kind, id, [&] { return scan_.integer("a node's number"); });
+    }
+  }
+
   void read_elements_2() {
     const long long count = scan_.integer("the number of elements");
     scan_.require_room(count, binary_ ? 8 : 6, "elements");
@@ -152,10 +187,56 @@ class GmshReader {
     }
   }
 
+  /// Block after block of nodes of one entity; a node's number stands before its position.
+  void read_nodes_4_0() {
+    if (binary_) scan_.skip_line_end();
+    const long long blocks = large("the number of blocks");
+    long long left = large("the number of nodes");
+    scan_.require_room(blocks, binary_ ? 20 : 8, "blocks");
+    scan_.require_room(left, binary_ ? 28 : 8, "nodes");
+    for (long long b = 0; b < blocks; ++b) {
+      small("an entity's number");
+      const long long dimension = small("a dimension");
+      const bool parametric = small("parametric or not") != 0;
+      for (long long count = block_size("nodes", left); count > 0; --count) {
+        const long long id = small("a node's number");
+        add_node(id, position());
+        for (long long k = 0; parametric && k < dimension; ++k) real("a parameter");
+      }
+    }
+    if (left != 0) scan_.refuse("holds fewer nodes than promised", fmt::format("{} are missing", left));
+  }
+
+  void read_elements_4_0() {
+    if (binary_) scan_.skip_line_end();
+    const long long blocks = large("the number of blocks");
+    long long left = large("the number of elements");
+    scan_.require_room(blocks, binary_ ? 20 : 8, "blocks");
+    scan_.require_room(left, binary_ ? 8 : 4, "elements");
+    for (long long b = 0; b < blocks; ++b) {
+      small("an entity's number"), small("a dimension");
+      const CellKind& kind = kind_of(small("an element's type"));
+      for (long long count = block_size("elements", left); count > 0; --count) {
+        const long long id = small("an element's number");
+        read_element(kind, id, [&] { return small("a node's number"); });
+      }
+    }
+    if (left != 0) scan_.refuse("holds fewer elements than promised", fmt::format("{} are missing", left));
+  }
+
+  /// The number of things in the block that begins, which are taken from those that are left.
+  long long block_size(const char* things, long long& left) {
+    const long long count = large("a block's size");
+    if (count < 0 || count > left)
+      scan_.refuse(fmt::format("has a block with more {} than promised", things), fmt::format("{} of {}", count, left));
+    left -= count;
+    return count;
+  }
+
   struct Blocks {
     long long blocks = 0, things = 0;
   };
-  Blocks read_blocks_4(const char* things, int bytes_each) {
+  Blocks read_blocks_4_1(const char* things, int bytes_each) {
     if (binary_) scan_.skip_line_end();
     Blocks header;
     header.blocks = large("the number of blocks");
@@ -166,17 +247,15 @@ class GmshReader {
     return header;
   }
 
-  void read_nodes_4() {
-    const Blocks header = read_blocks_4("nodes", binary_ ? 32 : 8);
+  void read_nodes_4_1() {
+    const Blocks header = read_blocks_4_1("nodes", binary_ ? 32 : 8);
     long long left = header.things;
     for (long long b = 0; b < header.blocks; ++b) {
       const long long dimension = small("a dimension");
       small("an entity's number");
       const bool parametric = small("parametric or not") != 0;
-      const long long count = large("a block's number of nodes");
-      if (count < 0 || count > left || dimension < 0 || dimension > 3)
-        scan_.refuse("has a block with more nodes than promised", fmt::format("{} of {}", count, left));
-      left -= count;
+      const long long count = block_size("nodes", left);
+      if (dimension < 0 || dimension > 3) scan_.refuse("has a block of a wrong dimension", std::to_string(dimension));
       std::vector<long long> ids;
       for (long long i = 0; i < count; ++i) ids.push_back(large("a node's number"));
       for (const long long id : ids) {
@@ -187,16 +266,13 @@ class GmshReader {
     if (left != 0) scan_.refuse("holds fewer nodes than promised", fmt::format("{} are missing", left));
   }
 
-  void read_elements_4() {
-    const Blocks header = read_blocks_4("elements", binary_ ? 16 : 4);
+  void read_elements_4_1() {
+    const Blocks header = read_blocks_4_1("elements", binary_ ? 16 : 4);
     long long left = header.things;
     for (long long b = 0; b < header.blocks; ++b) {
       small("a dimension"), small("an entity's number");
       const CellKind& kind = kind_of(small("an element's type"));
-      const long long count = large("a block's number of elements");
-      if (count < 0 || count > left)
-        scan_.refuse("has a block with more elements than promised", fmt::format("{} of {}", count, left));
-      left -= count;
+      const long long count = block_size("elements", left);
       for (long long i = 0; i < count; ++i) {
         const long long id = large("an element's number");
         read_element(kind, id, [&] { return large("a node's number"); });
@@ -208,8 +284,8 @@ class GmshReader {
   MeshScanner scan_;
   HexFile file_;
   std::unordered_map<long long, int> index_;  // of a node by its number in the file
-  int version_ = 0;
-  bool binary_ = false;
+  Version version_ = Version::none;
+  bool binary_ = false, has_nodes_ = false, has_elements_ = false;
 };
 
 }  // namespace

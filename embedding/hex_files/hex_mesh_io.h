@@ -1,4 +1,4 @@
-// Meshes of hexahedra from files: Gmsh .msh (2.2 and 4.1), VTK legacy .vtk and VTK XML .vtu.
+// Meshes of hexahedra from files: Gmsh .msh (1 to 4.1), VTK legacy .vtk and VTK XML .vtu.
 #pragma once
 
 #include <filesystem>

@@ -97,6 +97,53 @@ inline std::string gmsh_2(const HexDocument& mesh, bool binary) {
   return text + (binary ? "\n" : "") + "$EndElements\n";
 }
 
+/// Text only, as that format is.
+inline std::string gmsh_1(const HexDocument& mesh) {
+  std::string text = fmt::format("$NOD\n{}\n", mesh.nodes.rows());
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n)
+    text +=
+        fmt::format("{} {:.17g} {:.17g} {:.17g}\n", gmsh_tag(n), mesh.nodes(n, 0), mesh.nodes(n, 1), mesh.nodes(n, 2));
+  text += fmt::format("$ENDNOD\n$ELM\n{}\n", mesh.hexes.size() + 1);
+  const auto& first = mesh.hexes[0];
+  text += fmt::format("1 3 1 1 4 {} {} {} {}\n", gmsh_tag(first[0]), gmsh_tag(first[1]), gmsh_tag(first[2]),
+                      gmsh_tag(first[3]));
+  for (std::size_t e = 0; e < mesh.hexes.size(); ++e) {
+    text += fmt::format("{} 5 1 1 8", e + 2);
+    for (const int node : mesh.hexes[e]) text += fmt::format(" {}", gmsh_tag(node));
+    text += "\n";
+  }
+  return text + "$ENDELM\n";
+}
+
+/// 4.0: each number of a node or element stands before what it is.
+inline std::string gmsh_4_0(const HexDocument& mesh, bool binary) {
+  using Size = std::uint64_t;
+  const auto num_nodes = Size(mesh.nodes.rows()), num_hexes = Size(mesh.hexes.size());
+  const auto small = [&](int value, char end) { return binary ? raw(value) : fmt::format("{}{}", value, end); };
+  const auto large = [&](Size value, char end) { return binary ? raw(value) : fmt::format("{}{}", value, end); };
+  const auto real = [&](double value, char end) { return binary ? raw(value) : fmt::format("{:.17g}{}", value, end); };
+  const std::string line_end = binary ? "\n" : "";
+  std::string text = fmt::format("$MeshFormat\n4 {} 8\n{}$EndMeshFormat\n", int(binary), binary ? raw(1) + "\n" : "");
+  text += "$Entities\nnot looked into\n$EndEntities\n$Nodes\n" + large(2, ' ') + large(num_nodes, '\n');
+  for (const auto& [dimension, begin, end] : {std::array<Size, 3>{2, 0, 2}, std::array<Size, 3>{3, 2, num_nodes}}) {
+    text += small(1, ' ') + small(int(dimension), ' ') + small(dimension == 2, ' ') + large(end - begin, '\n');
+    for (Size n = begin; n < end; ++n) {
+      text += small(gmsh_tag(Eigen::Index(n)), ' ');
+      for (int axis = 0; axis < 3; ++axis)
+        text += real(mesh.nodes(Eigen::Index(n), axis), axis == 2 && dimension == 3 ? '\n' : ' ');
+      if (dimension == 2) text += real(0.5, ' ') + real(0.25, '\n');
+    }
+  }
+  text += line_end + "$EndNodes\n$Elements\n" + large(2, ' ') + large(num_hexes + 1, '\n');
+  text += small(1, ' ') + small(0, ' ') + small(15, ' ') + large(1, '\n') + small(1, ' ') + small(gmsh_tag(0), '\n');
+  text += small(1, ' ') + small(3, ' ') + small(5, ' ') + large(num_hexes, '\n');
+  for (Size e = 0; e < num_hexes; ++e) {
+    text += small(int(e) + 2, ' ');
+    for (std::size_t k = 0; k < 8; ++k) text += small(gmsh_tag(mesh.hexes[e][k]), k == 7 ? '\n' : ' ');
+  }
+  return text + line_end + "$EndElements\n";
+}
+
 inline std::string gmsh_4(const HexDocument& mesh, bool binary) {
   using Size = std::uint64_t;
   const auto num_nodes = Size(mesh.nodes.rows()), num_hexes = Size(mesh.hexes.size());

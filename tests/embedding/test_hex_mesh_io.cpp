@@ -63,12 +63,15 @@ std::string plain_vtk(const HexDocument& mesh) {
 
 }  // namespace
 
-TEST_CASE("Gmsh 2.2 and 4.1, as text and binary") {
+TEST_CASE("Gmsh 1, 2.2, 4.0 and 4.1, as text and binary") {
   const HexDocument mesh = document_of(sample_lattice());
   for (const bool binary : {false, true}) {
     check_sample(fmt::format("sample22-{}.msh", binary), gmsh_2(mesh, binary), false);
+    check_sample(fmt::format("sample40-{}.msh", binary), gmsh_4_0(mesh, binary), false);
     check_sample(fmt::format("sample41-{}.msh", binary), gmsh_4(mesh, binary), false);
   }
+  check_sample("sample1.msh", gmsh_1(mesh), false);
+  CHECK(load_hex_mesh(write_file("sample1.msh", gmsh_1(mesh))).notes.size() == 1);
   const HexMesh read = load_hex_mesh(write_file("sample.msh", gmsh_4(mesh, false)));
   REQUIRE(read.notes.size() == 1);
   CHECK(read.notes[0] == "left out: 1 points (the first is element 1)");
@@ -257,6 +260,7 @@ TEST_CASE("files of hexes that are damaged are refused, wherever they end") {
     refuses(name, "\n", "");
   }
   refuses("noise2.msh", "$MeshFormat\n2.2 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n100\n" + noise, "");
+  refuses("noise40.msh", "$MeshFormat\n4 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n" + noise, "");
   refuses("noise4.msh", "$MeshFormat\n4.1 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n" + noise, "");
   refuses("noise5.vtk", "# vtk DataFile Version 5.1\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n" + noise,
           "");
@@ -317,9 +321,19 @@ TEST_CASE("headers of hex files that promise more than there is, or what is not 
   refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n2 37"), "1 are missing");
   refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n2 35"), "more nodes than promised");
   refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n" + huge + " 36"), "promises");
-  refuses("v.msh", replaced(msh, "2.2 0 8", "4 0 8"), "got 4; save it as version 4.1 or 2.2");
+  const std::string msh1 = gmsh_1(good), msh40 = gmsh_4_0(good, false);
+  refuses("p1.msh", replaced(msh1, "$NOD\n36", "$NOD\n" + huge), "promises 999999999999 nodes");
+  refuses("p1.msh", replaced(msh1, "$ELM\n13", "$ELM\n14"), "");
+  refuses("p1.msh", replaced(msh1, "$ELM\n13", "$ELM\n12"), "$ENDELM");
+  refuses("p1.msh", replaced(msh1, "2 5 1 1 8", "2 5 1 1 7"), "wrong number of nodes");
+  refuses("p1.msh", msh1.substr(0, msh1.find("$ELM")), "has no $Elements");
+  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n2 37"), "1 are missing");
+  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n2 35"), "more nodes than promised");
+  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n" + huge + " 36"), "promises");
+  refuses("p40.msh", replaced(msh40, "$Elements\n2 13", "$Elements\n2 14"), "1 are missing");
+  refuses("p40.msh", msh40.substr(0, msh40.size() / 2), "");
+  refuses("v.msh", replaced(msh, "2.2 0 8", "5 0 8"), "got 5; save it as version 4.1 or 2.2");
   refuses("v.msh", replaced(msh, "2.2 0 8", "2.2 0 4"), "size that is not read");
-  refuses("v1.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n", "version of Gmsh's format");
   refuses("order.msh", replaced(gmsh_2(good, true), raw(1), raw(1, true)), "other byte order");
   refuses("word.msh", replaced(msh, "$EndNodes", "$EndNode"), "$EndNodes");
   refuses("p.vtk", replaced(vtk, "POINTS 36", "POINTS " + huge), "promises");
