@@ -218,6 +218,13 @@ int count_sets(DisjointSets& sets, Eigen::Index size) {
   return roots;
 }
 
+// [hexes] of the largest set that share nodes
+Eigen::Index largest_piece(const Lattice& lattice, DisjointSets& nodes) {
+  std::vector<Eigen::Index> sizes(std::size_t(lattice.num_nodes()), 0);
+  for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e) ++sizes[std::size_t(nodes.root(lattice.hexes(e, 0)))];
+  return *std::max_element(sizes.begin(), sizes.end());
+}
+
 // merges hexes that share a face
 void merge_neighbours(const Lattice& lattice, DisjointSets& hexes) {
   if (!lattice.is_regular()) {
@@ -245,8 +252,10 @@ void report_connections(const Lattice& lattice, CageReport& report) {
   report.num_islands = count_sets(nodes, lattice.num_nodes());
   report.num_loose_parts = count_sets(hexes, lattice.num_hexes());
   if (report.num_islands > 1)
-    report.notes.push_back(
-        fmt::format("the cage is in {} pieces that share no node; each falls by itself", report.num_islands));
+    report.notes.push_back(fmt::format(
+        "the cage is in {} pieces that share no node, the largest of {} of {} hexes; each falls by itself: take larger "
+        "(fewer) cells or join the mesh's parts to hold them together, and remove what does not belong to it",
+        report.num_islands, largest_piece(lattice, nodes), lattice.num_hexes()));
 }
 
 Lattice voxelize(const TriangleMesh& mesh, const CageOptions& options, CageReport* report) {

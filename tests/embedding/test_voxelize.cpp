@@ -114,6 +114,11 @@ TEST_CASE("meshes with faults are filled as they look, and the report says so") 
     const Lattice lattice = voxelize(two, {.size = 400}, &report);
     CHECK(filled_volume(lattice) == Approx(2 * unit_sphere_volume).epsilon(0.01));
     CHECK(report.num_islands == 2);
+    const std::string half = std::to_string(lattice.num_hexes() / 2);
+    REQUIRE(!report.notes.empty());
+    CHECK(report.notes.back().find("2 pieces that share no node, the largest of " + half + " of ") !=
+          std::string::npos);
+    CHECK(report.notes.back().find("larger (fewer) cells") != std::string::npos);
   }
   SECTION("multi-part: one of them inside out") {
     const TriangleMesh two = joined(sphere, moved(turned_inside_out(sphere), {3, 0, 0}));
