@@ -37,7 +37,8 @@ struct Truth {
 
 /// The simulated test as a laboratory without errors would report it.
 Measurements measured(const Truth& truth, const SimulatedTest& simulated, const std::vector<double>& stresses) {
-  Measurements data{.name = "test", .test = truth.test, .points = {}, .has_lateral = false, .warnings = {}};
+  Measurements data{
+      .name = "test", .test = truth.test, .points = {}, .has_lateral = false, .reading = {}, .warnings = {}};
   for (std::size_t i = 0; i < stresses.size(); ++i)
     data.points.push_back({.line = int(i) + 2, .stretch = simulated.stretch[i], .stress = stresses[i]});
   return data;
@@ -290,7 +291,7 @@ TEST_CASE("lateral stretches tell Poisson's ratio") {
 
 TEST_CASE("a bend that goes on rising is no limit, or one that is said to give") {
   Measurements stiffening{
-      .name = "bend", .test = TestKind::uniaxial, .points = {}, .has_lateral = false, .warnings = {}};
+      .name = "bend", .test = TestKind::uniaxial, .points = {}, .has_lateral = false, .reading = {}, .warnings = {}};
   Measurements softening = stiffening;
   for (int i = 1; i <= 50; ++i) {
     const double stress = 2e3 * i, elastic = stress / 100e3, knee = 0.3;
@@ -307,7 +308,8 @@ TEST_CASE("a bend that goes on rising is no limit, or one that is said to give")
 }
 
 TEST_CASE("data that are all at the limit do not tell the modulus") {
-  Measurements data{.name = "all", .test = TestKind::uniaxial, .points = {}, .has_lateral = false, .warnings = {}};
+  Measurements data{
+      .name = "all", .test = TestKind::uniaxial, .points = {}, .has_lateral = false, .reading = {}, .warnings = {}};
   Noise noise(3);
   for (int i = 0; i < 12; ++i)
     data.points.push_back({.line = i + 2, .stretch = 0.2 + 0.001 * noise(), .stress = 100e3 + 20e3 * i});

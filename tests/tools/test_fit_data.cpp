@@ -61,6 +61,43 @@ TEST_CASE("units in the header bring measurements to stretch and stress") {
   CHECK(c.has_lateral);
 }
 
+TEST_CASE("columns are known by their usual spellings, and how each was read is said") {
+  const std::string rows = "0.1,1\n0.2,2\n0.3,3\n0.05,0.5\n0.15,1.5\n";
+  const auto check = [&](const std::string& header, double stretch, double stress, const std::string& part) {
+    const Measurements data = parsed(header + "\n" + rows, {.length = 1, .area = 1});
+    CAPTURE(header, data.reading);
+    CHECK(data.points[1].stretch == Approx(stretch));
+    CHECK(data.points[1].stress == Approx(stress));
+    CHECK(contains(data.reading, part));
+    CHECK(data.warnings.empty());
+  };
+  check("strain,stress_MPa", 0.2, 2e6, "\"stress_MPa\" as force over the section at rest in MPa");
+  check("stretch,force_N", 0.2, 2, "\"stretch\" as change of length over length (0.1 is 10 %)");
+  check("Strain_%,Stress / kPa", 0.002, 2e3, "\"Strain_%\" as change of length over length in %");
+  check("Engineering Strain (mm/mm),Nominal_Stress (N/mm^2)", 0.2, 2e6, "in N/mm^2");
+  check("eng_strain_pct,load_kn", 0.002, 2e3, "\"load_kn\" as force in kN");
+  check("Extension (mm),Force N", 0.0002, 2, "\"Extension (mm)\" as change of length in mm");
+  check("elongation [%],eng. stress [MPa]", 0.002, 2e6, "\"elongation [%]\" as change of length over length in %");
+  check("tensile-strain,tensile-stress_mpa", 0.2, 2e6, "in MPa");
+  check("shear_strain,shear_stress_kPa", 0.2, 2e3, "in kPa");
+}
+
+TEST_CASE("a column called stretch is length over length where its numbers are 1 at rest") {
+  const std::string ratios = "1.1,10\n1.2,20\n1.3,30\n1.05,5\n1.15,15\n";
+  const Measurements rising = parsed("stretch,stress_kPa\n" + ratios);
+  CHECK(rising.points[1].stretch == Approx(0.2));
+  CHECK(contains(rising.reading, "\"stretch\" as length over length at rest"));
+  CHECK(parsed("lambda,stress_kPa\n" + ratios).points[1].stretch == Approx(0.2));
+  const Measurements pressed =
+      parsed("stretch,stress_kPa\n0.9,10\n0.8,20\n0.7,30\n0.95,5\n0.85,15\n", {.test = TestKind::compression});
+  CHECK(pressed.points[1].stretch == Approx(-0.2));
+  CHECK(pressed.points[1].stress == Approx(-20e3));
+  // large changes that are 0 at rest stay changes; so do those that have a unit
+  const Measurements changes = parsed("stretch,stress_kPa\n0.2,2\n0.8,20\n1.5,30\n2,35\n3,40\n");
+  CHECK(changes.points[4].stretch == Approx(3));
+  CHECK(parsed("stretch [%],stress_kPa\n" + ratios).points[1].stretch == Approx(0.012));
+}
+
 TEST_CASE("compression is negative, whichever way it was written down") {
   const std::string rows = "0.1,10\n0.2,20\n0.3,30\n0.05,5\n0.15,15\n";
   const std::string ratios = "stretch ratio,stress [kPa]\n0.9,10\n0.8,20\n0.7,30\n0.95,5\n0.85,15\n";
@@ -103,7 +140,10 @@ TEST_CASE("bad measurements are refused with line, column, value and remedy") {
       {header + "1,10\n2,10\n3,10\n4,10\n5,10\n", {"3 different forces"}},
       {header + "1,10\n1,20\n1,30\n1,40\n1,50\n", {"3 different stretches"}},
       {header + "-1,10\n-2,20\n-3,30\n-4,40\n-5,50\n", {"fall where forces rise", "--test compression"}},
-      {"stretch,force [N]\n1.0,0\n1.1,10\n1.2,20\n1.3,30\n1.4,40\n", {"data.csv:2", "stretch ratio"}},
+      {"strain,force [N]\n1.0,0\n1.1,10\n1.2,20\n1.3,30\n1.4,40\n", {"data.csv:2", "stretch ratio"}},
+      {"stretch [1],force [N]\n1.0,0\n1.1,10\n0.9,20\n1.3,30\n1.4,40\n", {"data.csv:2", "stretch ratio"}},
+      {"true stress,strain\n" + good_rows, {"lacks a column of force", "true stress"}},
+      {"strain,force_mm\n" + good_rows, {"wrong kind of unit", "force_mm"}},
       {header + "nan,1\n,2\n3,30\n4,40\n5,50\n6,60\n", {"4 of 6"}},
   };
   for (const auto& [text, parts] : cases) {

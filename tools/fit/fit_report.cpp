@@ -100,6 +100,7 @@ PlotSeries simulated_series(const Measurements& data, const MaterialFit& fit, co
 std::string fit_table(const Measurements& data, const MaterialFit& fit) {
   std::string text = fmt::format("{}: {} test, {} rows{}\n\n", data.name, test_name(data.test), data.points.size(),
                                  fit.limit ? fmt::format(", {} of them at the limit", fit.points_at_limit) : "");
+  if (!data.reading.empty()) text.insert(text.size() - 1, fmt::format("  read {}\n", data.reading));
   text += line("", "value", "95 % interval");
   const Row young = young_row(fit);
   text += line("Young's modulus", young.value, young.range);

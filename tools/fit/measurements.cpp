@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 
 #include "core/base/error.h"
 #include "scenes/quantity.h"
 #include "tools/fit/csv_table.h"
+#include "tools/fit/measured_columns.h"
 
 namespace umax {
 namespace {
@@ -17,108 +17,9 @@ namespace {
 constexpr std::size_t fewest_points = 5;
 constexpr std::size_t fewest_loads = 3;
 
-enum class Quantity { stretch, stretch_ratio, displacement, force, stress, lateral_stretch, lateral_stretch_ratio };
-enum class Role { deformation, load, lateral };
-
-struct ColumnKind {
-  Quantity quantity;
-  Role role;
-  Unit unit;
-  std::vector<std::string> names;
-};
-
-const std::vector<ColumnKind>& column_kinds() {
-  static const std::vector<ColumnKind> kinds{
-      {Quantity::stretch, Role::deformation, units::ratio, {"stretch", "strain", "shear", "shear strain"}},
-      {Quantity::stretch_ratio, Role::deformation, units::ratio, {"stretch ratio", "extension ratio"}},
-      {Quantity::displacement, Role::deformation, units::length, {"displacement", "extension"}},
-      {Quantity::force, Role::load, units::force, {"force", "load"}},
-      {Quantity::stress, Role::load, units::pressure, {"stress", "nominal stress", "engineering stress"}},
-      {Quantity::lateral_stretch,
-       Role::lateral,
-       units::ratio,
-       {"lateral stretch", "lateral strain", "transverse stretch", "transverse strain"}},
-      {Quantity::lateral_stretch_ratio,
-       Role::lateral,
-       units::ratio,
-       {"lateral stretch ratio", "transverse stretch ratio"}}};
-  return kinds;
-}
-
-struct Column {
-  const ColumnKind* kind = nullptr;
-  std::size_t index = 0;
-  std::string title;  // as the file has it
-  std::string unit;   // "" for none
-};
-
 [[noreturn]] void fail(const std::string& where, const std::string& what, const std::string& value,
                        const std::string& remedy) {
   throw Error(Fault::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
-}
-
-/// "Force [N]" or "Force (N)" to its name in small letters and its unit.
-std::pair<std::string, std::string> split_title(const std::string& title) {
-  const std::size_t open = title.find_first_of("[(");
-  std::string name = title.substr(0, open), unit;
-  if (open != std::string::npos) {
-    const std::size_t close = title.find_last_of("])");
-    if (close != std::string::npos && close > open) unit = title.substr(open + 1, close - open - 1);
-  }
-  while (!name.empty() && name.back() == ' ') name.pop_back();
-  for (char& c : name) c = c == '_' ? ' ' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-  return {name, unit == "-" || unit == "1" ? "" : unit};
-}
-
-/// Reads a unit on its own; throws unless it measures what the column holds.
-void check_unit(const Column& column, const std::string& where) {
-  const Unit& wanted = column.kind->unit;
-  if (column.unit.empty()) {
-    if (wanted.dimension != units::ratio.dimension)
-      fail(where, "has no unit", column.title,
-           fmt::format("write one of {} in brackets after its name", wanted.accepted));
-    return;
-  }
-  std::string problem;
-  if (!parse_quantity("1 " + column.unit, wanted, problem))
-    fail(where, problem.empty() ? "has a unit that cannot be read" : problem, column.title,
-         fmt::format("write one of {} in brackets after its name", wanted.accepted));
-}
-
-struct Columns {
-  Column deformation, load;
-  std::optional<Column> lateral;
-};
-
-Columns find_columns(const CsvRow& header, const std::string& name, std::vector<std::string>& warnings) {
-  std::array<std::vector<Column>, 3> found;
-  std::string ignored;
-  for (std::size_t i = 0; i < header.fields.size(); ++i) {
-    const auto [title, unit] = split_title(header.fields[i]);
-    const ColumnKind* kind = nullptr;
-    for (const ColumnKind& candidate : column_kinds())
-      if (std::find(candidate.names.begin(), candidate.names.end(), title) != candidate.names.end()) kind = &candidate;
-    if (kind)
-      found[std::size_t(kind->role)].push_back({kind, i, header.fields[i], unit});
-    else
-      ignored += (ignored.empty() ? "\"" : ", \"") + header.fields[i] + "\"";
-  }
-  const std::string where = fmt::format("{}:{}", name, header.line);
-  constexpr std::array needs{"a column of stretch [%] or displacement [mm]", "a column of force [N] or stress [kPa]",
-                             ""};
-  for (const Role role : {Role::deformation, Role::load, Role::lateral}) {
-    const std::vector<Column>& columns = found[std::size_t(role)];
-    if (columns.empty() && role != Role::lateral)
-      fail(where, "the header lacks " + std::string(needs[std::size_t(role)]), ignored,
-           "name the columns as in stretch [%],force [N]; the first line that is no comment is the header");
-    if (columns.size() > 1)
-      fail(where, "two columns say the same", columns[0].title + " and " + columns[1].title, "leave one of them");
-    for (const Column& column : columns) check_unit(column, where);
-  }
-  if (!ignored.empty()) warnings.push_back(fmt::format("{}: ignored what is in column {}", where, ignored));
-  Columns columns{found[0][0], found[1][0], std::nullopt};
-  if (!found[2].empty()) columns.lateral = found[2][0];
-  return columns;
 }
 
 bool is_missing(const std::string& field) {
@@ -127,12 +28,11 @@ bool is_missing(const std::string& field) {
 }
 
 /// The field in SI units; nothing where there is no number.
-std::optional<double> read_field(const CsvRow& row, const Column& column, const std::string& name) {
+std::optional<double> read_field(const CsvRow& row, const MeasuredColumn& column, const std::string& name) {
   const std::string& field = row.fields[column.index];
   if (is_missing(field)) return std::nullopt;
   std::string problem;
-  const auto quantity =
-      parse_quantity(column.unit.empty() ? field : field + " " + column.unit, column.kind->unit, problem);
+  const auto quantity = parse_quantity(column.unit.empty() ? field : field + " " + column.unit, column.wanted, problem);
   if (!quantity)
     fail(fmt::format("{}:{}: {}", name, row.line, column.title), problem.empty() ? "is no number" : problem,
          "\"" + field + "\"", "write a number with a point, as in 12.5, or leave the field empty");
@@ -152,7 +52,26 @@ void orient(Measurements& measurements, bool ratio) {
   }
 }
 
-void check_rows(const Measurements& measurements, const Columns& columns) {
+/// Whether numbers between which the title does not decide are lengths over the length at rest: above 1 in tension,
+/// below in compression, and nearer to 1 than to 0 where the load is least.
+bool looks_like_ratio(const Measurements& measurements) {
+  if (measurements.test == TestKind::shear || measurements.points.empty()) return false;
+  constexpr double noise = 0.02;
+  double largest = 0;
+  const MeasuredPoint* least = &measurements.points.front();
+  for (const MeasuredPoint& point : measurements.points) {
+    largest = std::max(largest, std::abs(point.stress));
+    if (std::abs(point.stress) < std::abs(least->stress)) least = &point;
+  }
+  for (const MeasuredPoint& point : measurements.points) {
+    if (std::abs(point.stress) <= noise * largest) continue;
+    const bool in_tension = measurements.test == TestKind::uniaxial && point.stress > 0;
+    if (in_tension ? point.stretch < 1 - noise : !(point.stretch > 0 && point.stretch < 1 + noise)) return false;
+  }
+  return std::abs(least->stretch - 1) < std::abs(least->stretch);
+}
+
+void check_rows(const Measurements& measurements, const MeasuredColumns& columns) {
   for (const MeasuredPoint& point : measurements.points) {
     const std::string where = fmt::format("{}:{}: ", measurements.name, point.line);
     if (point.stretch <= -1 && measurements.test != TestKind::shear)
@@ -167,8 +86,8 @@ void check_rows(const Measurements& measurements, const Columns& columns) {
 }
 
 /// Unloaded, yet stretched to 1: ratios in a column of stretches.
-void check_origin(const Measurements& measurements, const Columns& columns) {
-  if (columns.deformation.kind->quantity != Quantity::stretch) return;
+void check_origin(const Measurements& measurements, const MeasuredColumns& columns) {
+  if (columns.deformation.quantity != Quantity::stretch) return;
   double largest = 0;
   for (const MeasuredPoint& point : measurements.points) largest = std::max(largest, std::abs(point.stress));
   for (const MeasuredPoint& point : measurements.points)
@@ -202,8 +121,8 @@ void check_enough(const Measurements& measurements, std::size_t num_rows) {
          "numbers takes --test compression");
 }
 
-double area_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
-  if (column.kind->quantity == Quantity::stress) return 1;
+double area_of(const MeasurementOptions& options, const MeasuredColumn& column, const std::string& name) {
+  if (column.quantity == Quantity::stress) return 1;
   if (!options.area)
     throw Error(Fault::usage, {.where = name + ": " + column.title,
                                .what = "is a force, and says nothing of the material without the specimen's section",
@@ -211,8 +130,8 @@ double area_of(const MeasurementOptions& options, const Column& column, const st
   return *options.area;
 }
 
-double length_of(const MeasurementOptions& options, const Column& column, const std::string& name) {
-  if (column.kind->quantity != Quantity::displacement) return 1;
+double length_of(const MeasurementOptions& options, const MeasuredColumn& column, const std::string& name) {
+  if (column.quantity != Quantity::displacement) return 1;
   if (!options.length)
     throw Error(Fault::usage, {.where = name + ": " + column.title,
                                .what = "says nothing of the material without the specimen's length",
@@ -233,15 +152,16 @@ std::string lines_text(const std::vector<int>& lines) {
 
 Measurements parse_measurements(std::string_view text, const std::string& name, const MeasurementOptions& options) {
   const CsvTable table = parse_csv(text, name);
-  Measurements measurements{.name = name, .test = options.test, .points = {}, .has_lateral = false, .warnings = {}};
-  Columns columns = find_columns(table.header, name, measurements.warnings);
+  Measurements measurements{
+      .name = name, .test = options.test, .points = {}, .has_lateral = false, .reading = {}, .warnings = {}};
+  MeasuredColumns columns = find_columns(table.header, name, measurements.warnings);
   if (columns.lateral && options.test == TestKind::shear) {
     measurements.warnings.push_back(
         fmt::format("{}: ignored column \"{}\": a shear test has no width to speak of", name, columns.lateral->title));
     columns.lateral.reset();
   }
   const double area = area_of(options, columns.load, name), length = length_of(options, columns.deformation, name);
-  const bool ratio = columns.deformation.kind->quantity == Quantity::stretch_ratio;
+  const bool certain_ratio = columns.deformation.quantity == Quantity::stretch_ratio;
   std::vector<int> ignored;
   for (const CsvRow& row : table.rows) {
     const auto deformation = read_field(row, columns.deformation, name), load = read_field(row, columns.load, name);
@@ -249,10 +169,11 @@ Measurements parse_measurements(std::string_view text, const std::string& name, 
       ignored.push_back(row.line);
       continue;
     }
-    MeasuredPoint point{.line = row.line, .stretch = *deformation / length - (ratio ? 1 : 0), .stress = *load / area};
+    MeasuredPoint point{
+        .line = row.line, .stretch = *deformation / length - (certain_ratio ? 1 : 0), .stress = *load / area};
     if (columns.lateral)
       if (const auto lateral = read_field(row, *columns.lateral, name)) {
-        point.lateral_stretch = *lateral - (columns.lateral->kind->quantity == Quantity::lateral_stretch_ratio ? 1 : 0);
+        point.lateral_stretch = *lateral - (columns.lateral->quantity == Quantity::lateral_stretch_ratio ? 1 : 0);
         measurements.has_lateral = true;
       }
     measurements.points.push_back(point);
@@ -260,7 +181,13 @@ Measurements parse_measurements(std::string_view text, const std::string& name, 
   if (!ignored.empty())
     measurements.warnings.push_back(
         fmt::format("{}: ignored {} without a number for stretch or force", name, lines_text(ignored)));
-  orient(measurements, ratio);
+  const bool taken_for_ratio = columns.deformation.may_be_ratio && looks_like_ratio(measurements);
+  if (taken_for_ratio) {
+    columns.deformation.quantity = Quantity::stretch_ratio;
+    for (MeasuredPoint& point : measurements.points) point.stretch -= 1;
+  }
+  measurements.reading = describe(columns, options.test == TestKind::shear);
+  orient(measurements, certain_ratio || taken_for_ratio);
   check_rows(measurements, columns);
   check_origin(measurements, columns);
   check_enough(measurements, table.rows.size());

@@ -29,12 +29,14 @@ struct Measurements {
   TestKind test = TestKind::uniaxial;
   std::vector<MeasuredPoint> points;  // in the order of the file
   bool has_lateral = false;           // some point has a lateral stretch
+  std::string reading;                // which columns were taken for what
   std::vector<std::string> warnings;  // what was ignored, or reinterpreted, and where
 };
 
-/// Columns, by name and unit in the header: stretch | strain | shear [%], stretch ratio, displacement [mm];
-/// force [N], stress [kPa]; lateral stretch [%], lateral stretch ratio. Others are ignored and said. Rows that lack a
-/// number are ignored and said. Throws Error (bad_data) that names line, column, value and remedy; Error (usage) for a
+/// Columns by their usual names and units, as measured_columns.h has them: stretch or strain [%], stretch ratio,
+/// displacement [mm]; force [N], stress [kPa]; lateral stretch [%], lateral stretch ratio. A column named "stretch"
+/// without a unit is taken for a ratio where its numbers are one. Others are ignored and said. Rows that lack a number
+/// are ignored and said. Throws Error (bad_data) that names line, column, value and remedy; Error (usage) for a
 /// displacement without length, a force without area.
 Measurements parse_measurements(std::string_view text, const std::string& name, const MeasurementOptions& options);
 
