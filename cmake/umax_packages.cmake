@@ -31,6 +31,13 @@ target_compile_definitions(umax_embree INTERFACE UMAX_EMBREE_VERSION=${EMBREE_VE
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
 find_package(OpenVDB REQUIRED)
 
+# Draco: by its name, as the configs of its versions call their targets differently
+find_library(DRACO_LIBRARY draco REQUIRED)
+find_path(DRACO_INCLUDE_DIR draco/compression/decode.h REQUIRED)
+add_library(umax_draco INTERFACE)
+target_include_directories(umax_draco SYSTEM INTERFACE ${DRACO_INCLUDE_DIR})
+target_link_libraries(umax_draco INTERFACE ${DRACO_LIBRARY})
+
 # CHOLMOD: no CMake config on Debian 12. OpenBLAS is named before it, since CHOLMOD alone would take whatever BLAS the
 # machine's alternatives point at, with other last bits.
 find_library(OPENBLAS_LIBRARY openblas REQUIRED)

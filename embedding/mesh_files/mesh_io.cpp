@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "embedding/hex_files/hex_mesh_io.h"
+#include "embedding/mesh_files/foreign_mesh.h"
 #include "embedding/mesh_files/mesh_formats.h"
 #include "embedding/scanning/file_checks.h"
 #include "embedding/surface/hex_faces.h"
@@ -43,6 +44,7 @@ void leave_out_collapsed_triangles(MeshFile& file) {
     const Eigen::RowVector3i triangle = mesh.triangles.row(t);
     if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
     mesh.triangles.row(kept) = triangle;
+    if (!mesh.materials.empty()) mesh.materials[std::size_t(kept)] = mesh.materials[std::size_t(t)];
     if (has_texture && kept != t)
       mesh.texture_coordinates.middleRows<3>(3 * kept) = mesh.texture_coordinates.middleRows<3>(3 * t).eval();
     ++kept;
@@ -50,9 +52,33 @@ void leave_out_collapsed_triangles(MeshFile& file) {
   const Eigen::Index left_out = mesh.num_triangles() - kept;
   if (left_out == 0) return;
   mesh.triangles.conservativeResize(kept, 3);
+  if (!mesh.materials.empty()) mesh.materials.resize(std::size_t(kept));
   if (has_texture) mesh.texture_coordinates.conservativeResize(3 * kept, 2);
   file.notes.push_back(left_out == 1 ? "1 triangle names a vertex twice: left out"
                                      : fmt::format("{} triangles name a vertex twice: left out", left_out));
+}
+
+/// A vertex of no triangle would need a hex of its own, and pictures would not show why.
+void leave_out_loose_vertices(MeshFile& file) {
+  TriangleMesh& mesh = file.mesh;
+  std::vector<int> place(std::size_t(mesh.num_vertices()), -1);
+  for (const int corner : mesh.triangles.reshaped()) place[std::size_t(corner)] = 0;
+  const auto num_loose = std::count(place.begin(), place.end(), -1);
+  if (num_loose == 0) return;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    if (place[v] < 0) continue;
+    const auto kept = Eigen::Index(file.vertex_in_file.size());
+    place[v] = int(kept);
+    file.vertex_in_file.push_back(int(v));
+    mesh.positions.row(kept) = mesh.positions.row(Eigen::Index(v)).eval();
+    if (mesh.colors.rows() > 0) mesh.colors.row(kept) = mesh.colors.row(Eigen::Index(v)).eval();
+  }
+  const auto num_kept = Eigen::Index(file.vertex_in_file.size());
+  mesh.positions.conservativeResize(num_kept, 3);
+  if (mesh.colors.rows() > 0) mesh.colors.conservativeResize(num_kept, 3);
+  for (int& corner : mesh.triangles.reshaped()) corner = place[std::size_t(corner)];
+  file.notes.push_back(num_loose == 1 ? "1 vertex belongs to no triangle: left out"
+                                      : fmt::format("{} vertices belong to no triangle: left out", num_loose));
 }
 
 void require_area(const std::filesystem::path& path, const TriangleMesh& mesh) {
@@ -78,6 +104,13 @@ MeshFile surface_of_hexes(const std::filesystem::path& path) {
   return file;
 }
 
+MeshFile read_by_ending(const std::filesystem::path& path, const std::string& ending) {
+  if (ending == "obj") return read_obj(path);
+  if (ending == "ply") return read_ply(path);
+  if (ending == "off") return read_off(path);
+  return read_foreign(path, ending, import_limits(path));
+}
+
 }  // namespace
 
 std::string known_mesh_formats() {
@@ -92,15 +125,16 @@ MeshFile load_mesh(const std::filesystem::path& path) {
     refuse_mesh(path, "unknown mesh format", fmt::format("\"{}\"", ending), "known are " + known_mesh_formats());
 
   const long long promised = check_promised_size(path, ending);
-  MeshFile file = ending == "obj" ? read_obj(path) : read_with_assimp(path, ending);
+  MeshFile file = read_by_ending(path, ending);
   require_triangles(path, file.mesh);
   if (promised >= 0 && promised != file.mesh.num_vertices())
     refuse_mesh(path, "the file does not hold the vertices that its header promises",
                 fmt::format("{} of {}", file.mesh.num_vertices(), promised),
                 "it is truncated or damaged: export it again");
+  leave_out_collapsed_triangles(file);
+  if (file.mesh.num_triangles() > 0) leave_out_loose_vertices(file);
   require_finite(path, file.mesh.positions);
   require_sensible_box(path, file.mesh.positions);
-  leave_out_collapsed_triangles(file);
   require_area(path, file.mesh);
   return file;
 }

@@ -5,12 +5,15 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <streambuf>
 #include <string_view>
 
 #include "core/base/srgb.h"
 #include "core/files/read_file.h"
 #include "embedding/mesh_files/mesh_formats.h"
+#include "embedding/mesh_record/mesh_materials.h"
 #include "embedding/scanning/file_checks.h"
 
 namespace umax {
@@ -84,10 +87,9 @@ void check_lines(const Path& path, std::string_view text) {
       continue;
     const auto parts = words(line);
     if (line[start] == 'f') {
-      if (parts.size() < 4 && !line.ends_with('\\'))
-        refuse_line(path, line_number, "a face needs at least three corners", line);
+      if (parts.size() < 4) refuse_line(path, line_number, "a face needs at least three corners", line);
       for (std::size_t corner = 1; corner < parts.size(); ++corner)
-        if (parts[corner] != "\\") check_corner(path, line_number, line, parts[corner]);
+        check_corner(path, line_number, line, parts[corner]);
       continue;
     }
     if (parts.size() < 4)
@@ -120,24 +122,107 @@ void take_vertices(const tinyobj::attrib_t& attributes, TriangleMesh& mesh) {
         Eigen::Map<const Points>(attributes.colors.data(), num_vertices, 3).unaryExpr(&linear_from_srgb<double>);
 }
 
+/// A `\` at the end of a line: it goes on in the next. Line ends come behind the whole, so that what follows keeps its
+/// number. Comments do not go on: paths in them end like that.
+void join_continued_lines(std::string& text) {
+  if (text.find("\\\n") == text.npos && text.find("\\\r\n") == text.npos) return;
+  std::string joined;
+  joined.reserve(text.size());
+  std::size_t line_ends = 1;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line = std::string_view(text).substr(at, end - at);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const bool goes_on = line.ends_with('\\') && end < text.size() && !line.starts_with('#');
+    if (goes_on) line.remove_suffix(1);
+    joined += line;
+    joined.append(goes_on ? 1 : line_ends, goes_on ? ' ' : '\n');
+    line_ends = goes_on ? line_ends + 1 : 1;
+    at = end + 1;
+  }
+  text = std::move(joined);
+}
+
+/// The text as a stream that copies nothing.
+class TextBuffer : public std::streambuf {
+ public:
+  explicit TextBuffer(std::string& text) { setg(text.data(), text.data(), text.data() + text.size()); }
+};
+
+/// Reads material files; Kd = -1 where a file says none. Those that are not there are noted.
+class Materials : public tinyobj::MaterialReader {
+ public:
+  Materials(const Path& mesh_file, std::vector<std::string>& notes) : mesh_file_(mesh_file), notes_(notes) {}
+
+  bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
+                  std::map<std::string, int>* places, std::string* warnings, std::string* errors) override {
+    std::string slashed = name;
+    std::replace(slashed.begin(), slashed.end(), '\\', '/');
+    std::ifstream file(mesh_file_.parent_path() / slashed, std::ios::binary);
+    if (!file) {
+      notes_.push_back("the materials " + name + " that the mesh names do not exist: drawn in the plain colour");
+      return true;
+    }
+    std::stringstream marked;
+    for (std::string line; std::getline(file, line);) {
+      marked << line << '\n';
+      if (line.find("newmtl") != line.npos) marked << "Kd -1 -1 -1\n";
+    }
+    tinyobj::LoadMtl(places, materials, &marked, warnings, errors);
+    return true;
+  }
+
+ private:
+  Path mesh_file_;
+  std::vector<std::string>& notes_;
+};
+
+MeshMaterial material_of(const Path& path, const tinyobj::material_t& material, std::vector<std::string>& notes) {
+  MeshMaterial result{.name = material.name};
+  const Vector3d color = Eigen::Map<const Vector3d>(material.diffuse);
+  if ((color.array() >= 0).all() && color.allFinite()) result.color = color.cwiseMin(1.0);
+  if (!material.diffuse_texname.empty()) result.texture = find_texture(path, material.diffuse_texname, notes);
+  return result;
+}
+
+void take_materials(const Path& path, const std::vector<tinyobj::shape_t>& shapes,
+                    const std::vector<tinyobj::material_t>& materials, MeshFile& file) {
+  std::vector<int> place(materials.size(), -1);
+  std::vector<char> has_coordinates;
+  for (const tinyobj::shape_t& shape : shapes)
+    for (std::size_t t = 0; t < shape.mesh.material_ids.size(); ++t) {
+      const int id = shape.mesh.material_ids[t];
+      const bool known = id >= 0 && id < int(materials.size());
+      if (known && place[std::size_t(id)] < 0) {
+        place[std::size_t(id)] = int(file.materials.size());
+        file.materials.push_back(material_of(path, materials[std::size_t(id)], file.notes));
+      }
+      file.mesh.materials.push_back(known ? place[std::size_t(id)] : -1);
+      bool all = true;
+      for (std::size_t k = 3 * t; k < 3 * t + 3; ++k) all &= shape.mesh.indices[k].texcoord_index >= 0;
+      has_coordinates.push_back(all);
+    }
+  settle_materials(file, has_coordinates);
+}
+
 void take_faces(const Path& path, const tinyobj::attrib_t& attributes, const std::vector<tinyobj::shape_t>& shapes,
                 TriangleMesh& mesh) {
   std::size_t num_corners = 0;
-  bool all_have_texture = true;
+  bool some_have_texture = false;
   for (const tinyobj::shape_t& shape : shapes) {
     num_corners += shape.mesh.indices.size();
-    for (const tinyobj::index_t& index : shape.mesh.indices) all_have_texture &= index.texcoord_index >= 0;
+    for (const tinyobj::index_t& index : shape.mesh.indices) some_have_texture |= index.texcoord_index >= 0;
   }
   if (num_corners > std::size_t(std::numeric_limits<int>::max()))
     refuse_mesh(path, "the mesh has more triangles than can be counted", std::to_string(num_corners / 3), "reduce it");
   mesh.triangles.resize(Eigen::Index(num_corners / 3), 3);
-  if (all_have_texture && num_corners > 0) mesh.texture_coordinates.resize(Eigen::Index(num_corners), 2);
+  if (some_have_texture) mesh.texture_coordinates = TextureCoordinates::Zero(Eigen::Index(num_corners), 2);
 
   Eigen::Index corner = 0;
   for (const tinyobj::shape_t& shape : shapes)
     for (const tinyobj::index_t& index : shape.mesh.indices) {
       mesh.triangles(corner / 3, corner % 3) = index.vertex_index;
-      if (mesh.texture_coordinates.rows() > 0) {
+      if (index.texcoord_index >= 0) {
         const std::size_t t = 2 * std::size_t(index.texcoord_index);
         if (t + 1 >= attributes.texcoords.size())
           refuse_mesh(path, "a face names a texture coordinate that does not exist",
@@ -148,31 +233,22 @@ void take_faces(const Path& path, const tinyobj::attrib_t& attributes, const std
     }
 }
 
-Path find_texture(const Path& path, const std::vector<tinyobj::material_t>& materials,
-                  std::vector<std::string>& notes) {
-  for (const tinyobj::material_t& material : materials) {
-    if (material.diffuse_texname.empty()) continue;
-    std::string name = material.diffuse_texname;
-    std::replace(name.begin(), name.end(), '\\', '/');
-    const Path texture = std::filesystem::absolute(path.parent_path() / name).lexically_normal();
-    if (std::filesystem::is_regular_file(texture)) return texture;
-    notes.push_back("the texture " + texture.string() + " that the mesh names does not exist");
-  }
-  return {};
-}
-
 }  // namespace
 
 MeshFile read_obj(const Path& path) {
-  check_lines(path, read_file(path));
+  std::string text = read_file(path);
+  join_continued_lines(text);
+  check_lines(path, text);
+  MeshFile file;
+  TextBuffer buffer(text);
+  std::istream stream(&buffer);
+  Materials reader(path, file.notes);
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;
   std::string warnings, errors;
-  const std::string folder = (path.has_parent_path() ? path.parent_path() : Path(".")).string() + "/";
-  const bool sound =
-      tinyobj::LoadObj(&attributes, &shapes, &materials, &warnings, &errors, path.string().c_str(), folder.c_str(),
-                       /*triangulate=*/true, /*default_vcols_fallback=*/false);
+  const bool sound = tinyobj::LoadObj(&attributes, &shapes, &materials, &warnings, &errors, &stream, &reader,
+                                      /*triangulate=*/true, /*default_vcols_fallback=*/false);
   if (!sound) refuse_mesh(path, "not a sound OBJ file", errors.substr(0, errors.find('\n')), "export the mesh again");
   for (const char* fault : {"out of bounds", "invalid vertex index"})
     if (warnings.find(fault) != warnings.npos)
@@ -180,12 +256,11 @@ MeshFile read_obj(const Path& path) {
                   std::to_string(attributes.vertices.size() / 3) + " vertices",
                   "the file is truncated or damaged: export it again");
 
-  MeshFile file;
   take_vertices(attributes, file.mesh);
   take_faces(path, attributes, shapes, file.mesh);
   file.num_parts =
       int(std::count_if(shapes.begin(), shapes.end(), [](const auto& shape) { return !shape.mesh.indices.empty(); }));
-  file.texture = find_texture(path, materials, file.notes);
+  take_materials(path, shapes, materials, file);
   return file;
 }
 

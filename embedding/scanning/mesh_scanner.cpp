@@ -89,9 +89,13 @@ void MeshScanner::skip_past(std::string_view end) {
   }
 }
 
-void MeshScanner::require_room(long long count, long long bytes_each, const char* things) const {
+bool MeshScanner::has_room(long long count, long long bytes_each) const {
   const auto room = (long long)(text_.size() - at_) + 1;  // the last number of a text needs no space after it
-  if (count < 0 || count > room / bytes_each)
+  return count >= 0 && count <= room / bytes_each;
+}
+
+void MeshScanner::require_room(long long count, long long bytes_each, const char* things) const {
+  if (!has_room(count, bytes_each))
     refuse(fmt::format("promises {} {}", count, things), fmt::format("{} bytes", text_.size() - at_));
 }
 

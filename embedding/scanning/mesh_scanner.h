@@ -28,6 +28,8 @@ class MeshScanner {
   /// Steps behind the next line that is just `end`; throws if there is none.
   void skip_past(std::string_view end);
 
+  /// Whether `count` things of at least `bytes_each` bytes fit into what follows.
+  bool has_room(long long count, long long bytes_each) const;
   /// Throws unless `count` things of at least `bytes_each` bytes fit into what follows. Call before taking memory.
   void require_room(long long count, long long bytes_each, const char* things) const;
 

@@ -14,4 +14,7 @@ int size_of(NumberType type);
 /// As many numbers as there are; the bytes must be a multiple of the type's size.
 std::vector<double> decode_numbers(std::string_view bytes, NumberType type, bool big_endian);
 
+/// The number that these bytes, as many as the type has, are.
+double decode_number(const char* bytes, NumberType type, bool big_endian);
+
 }  // namespace umax

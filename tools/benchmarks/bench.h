@@ -33,6 +33,7 @@ std::vector<Benchmark> large_cage_benchmarks();   // bench_large_cages.cpp
 std::vector<Benchmark> program_benchmarks();      // bench_program.cpp: the built program, from outside
 std::vector<Benchmark> penetration_benchmarks();  // bench_penetration.cpp
 std::vector<Benchmark> export_benchmarks();       // bench_export.cpp
+std::vector<Benchmark> import_benchmarks();       // bench_import.cpp: meshes read by the helper program
 std::vector<Benchmark> picture_benchmarks();      // bench_pictures.cpp
 
 /// The file in UMAX_MODELS.

@@ -105,8 +105,7 @@ MeshFacts look_at_mesh(const fs::path& path, const Options& options) {
   facts.diagonal = size.norm();
   if (!(facts.height >= smallest_height && facts.height <= largest_height))
     refuse_height(path, facts.height, placement.unit);
-  const bool has_texture = file.mesh.texture_coordinates.rows() > 0 && fs::exists(file.texture, error);
-  facts.look = studio_look(file.mesh.colors.rows() > 0, has_texture);
+  facts.look = studio_look(file.mesh.colors.rows() > 0 || !file.materials.empty());
   facts.source.sha256 = sha256_of_file(facts.source.path);
   return facts;
 }

@@ -60,10 +60,7 @@ RenderObject draw_body(const Simulation& simulation, std::size_t index, const St
   deform(*body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
          *mesh);
 
-  RenderObject object{.name = body.name, .mesh = mesh, .look = simulation.scene.bodies[index].look};
-  object.look.texture = body.texture;
-  // a painted mesh keeps its paint unless the scene asks for a colour
-  object.look.vertex_colors = mesh->colors.rows() > 0 && object.look.base_color == Look().base_color;
+  RenderObject object{.name = body.name, .mesh = mesh, .look = body.look};
   if (legend) {
     mesh->colors = heat_colors(body, heat, *legend);
     object.look = Look();

@@ -9,7 +9,6 @@
 #include "embedding/surface/contact_surface.h"
 #include "embedding/surface/hex_faces.h"
 #include "embedding/surface/shapes.h"
-#include "render/image/image_io.h"
 #include "tools/setup/named_error.h"
 
 namespace umax {
@@ -29,7 +28,8 @@ OwnShape read_mesh(const std::filesystem::path& path) {
   MeshFile file = load_mesh(path);
   OwnShape shape;
   shape.mesh = std::move(file.mesh);
-  shape.texture = std::move(file.texture);
+  shape.materials = std::move(file.materials);
+  shape.embedded_textures = std::move(file.embedded_textures);
   shape.notes = std::move(file.notes);
   shape.num_parts = file.num_parts;
   shape.unit = file.unit;
@@ -108,23 +108,11 @@ std::shared_ptr<const OwnShape> own_shape(const BodySource& source, ShapeLibrary
   return own;
 }
 
-std::shared_ptr<const Image> texture_at(const std::filesystem::path& path, ShapeLibrary& library) {
-  const auto found = std::find_if(library.textures.begin(), library.textures.end(),
-                                  [&](const ShapeLibrary::Texture& texture) { return texture.path == path; });
-  if (found != library.textures.end()) return found->image;
-  library.textures.push_back({path, std::make_shared<const Image>(read_image(path))});
-  return library.textures.back().image;
-}
-
 PlacedMesh place_body(const BodyDescription& body, ShapeLibrary& library) {
   return named("body." + body.name, [&] {
     const std::shared_ptr<const OwnShape> own = own_shape(body.source, library);
-    PlacedMesh shape{.mesh = own->mesh,
-                     .texture = own->texture,
-                     .notes = own->notes,
-                     .num_parts = own->num_parts,
-                     .hexes = own->hexes,
-                     .own = own};
+    PlacedMesh shape{
+        .mesh = own->mesh, .notes = own->notes, .num_parts = own->num_parts, .hexes = own->hexes, .own = own};
     if (const auto* cage = std::get_if<MeshSource>(&body.cage.size)) read_cage_mesh(*cage, shape);
     const Placed placed = place(shape.mesh,
                                 {.unit = own->unit,

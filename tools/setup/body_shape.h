@@ -11,6 +11,7 @@
 #include "core/base/triangle_mesh.h"
 #include "core/model/rest_surface.h"
 #include "embedding/hex_files/hex_mesh_io.h"
+#include "embedding/mesh_record/mesh_file.h"
 #include "embedding/surface/placement.h"
 #include "render/image/image.h"
 #include "scenes/scene.h"
@@ -26,12 +27,13 @@ struct PlacedHexes {
 
 /// A shape as its file or the scene's key gives it, in its own unit and axes.
 struct OwnShape {
-  TriangleMesh mesh;                 // without normals: deform() makes them
-  std::filesystem::path texture;     // colour texture; may be empty
-  std::vector<std::string> notes;    // what the file's reader found
-  int num_parts = 1;                 // objects in the file
-  std::optional<PlacedHexes> hexes;  // of a file of hexes, whose surface is the mesh
-  std::optional<double> unit;        // [m] where the scene or the file says
+  TriangleMesh mesh;                           // without normals: deform() makes them
+  std::vector<MeshMaterial> materials;         // that mesh.materials counts; empty: none
+  std::vector<std::string> embedded_textures;  // bytes of pictures, which materials name
+  std::vector<std::string> notes;              // what the file's reader found
+  int num_parts = 1;                           // objects in the file
+  std::optional<PlacedHexes> hexes;            // of a file of hexes, whose surface is the mesh
+  std::optional<double> unit;                  // [m] where the scene or the file says
   std::optional<std::string> up;
 };
 
@@ -48,6 +50,8 @@ struct ShapeLibrary {
   };
   struct Texture {
     std::filesystem::path path;
+    const OwnShape* own = nullptr;  // the shape in whose file the picture is, or null
+    int place = -1;                 // of own->embedded_textures
     std::shared_ptr<const Image> image;
   };
   std::vector<Shape> shapes;
@@ -58,13 +62,9 @@ struct ShapeLibrary {
 /// Reads or makes the shape unless the library has it. Throws Error (bad_data, not_found).
 std::shared_ptr<const OwnShape> own_shape(const BodySource& source, ShapeLibrary& library);
 
-/// Reads the picture unless the library has it. Throws Error (bad_data, not_found).
-std::shared_ptr<const Image> texture_at(const std::filesystem::path& path, ShapeLibrary& library);
-
 /// A body's shape, before it has a cage.
 struct PlacedMesh {
   TriangleMesh mesh;                                              // world coordinates at time 0 [m], without normals
-  std::filesystem::path texture;                                  // colour texture; may be empty
   std::vector<std::string> notes;                                 // what the file's reader found
   int num_parts = 1;                                              // objects in the file
   std::optional<PlacedHexes> hexes = std::nullopt;                // of the mesh file or of cage.mesh, likewise placed

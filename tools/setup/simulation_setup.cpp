@@ -16,8 +16,8 @@
 #include "embedding/surface/placement.h"
 #include "embedding/surface/shapes.h"
 #include "embedding/surface/wall_thickness.h"
-#include "render/image/image_io.h"
 #include "tools/setup/body_contact.h"
+#include "tools/setup/body_look.h"
 #include "tools/setup/body_maps.h"
 #include "tools/setup/contact_points.h"
 #include "tools/setup/limit_report.h"
@@ -71,26 +71,6 @@ std::vector<int> nodes_in_boxes(const std::vector<FixedBox>& boxes, const Lattic
   return nodes;
 }
 
-std::shared_ptr<const Image> read_texture(const BodyDescription& description, const PlacedMesh& shape,
-                                          ShapeLibrary& library, std::vector<std::string>& warnings) {
-  const bool chosen = !description.texture_path.empty();
-  const std::filesystem::path& path = chosen ? description.texture_path : shape.texture;
-  std::error_code error;
-  if (path.empty()) return nullptr;
-  if (shape.mesh.texture_coordinates.rows() == 0) {
-    if (chosen)
-      warnings.push_back(
-          fmt::format("body.{}: the mesh has no texture coordinates; look.texture is not used", description.name));
-    return nullptr;
-  }
-  if (!chosen && !std::filesystem::exists(path, error)) {
-    warnings.push_back(fmt::format("body.{}: the mesh names the texture {}, which is not there; drawn without it",
-                                   description.name, path.string()));
-    return nullptr;
-  }
-  return texture_at(path, library);
-}
-
 bool has_same_cage(const CageDescription& a, const CageDescription& b) {
   if (std::holds_alternative<MeshSource>(a.size) || std::holds_alternative<MeshSource>(b.size)) return false;
   const CageOptions options_a = cage_options(a), options_b = cage_options(b);
@@ -125,7 +105,7 @@ BodySetup cage_body(const Scene& scene, const std::vector<BodySetup>& caged, con
                   .lattice = {},
                   .cage = {},
                   .embedding = {},
-                  .texture = {}};
+                  .look = {}};
   named("body." + description.name, [&] {
     if (description.drop_height) apply_drop_height(*description.drop_height, obstacles, setup.shape);
     const PlacedMesh& shape = setup.shape;
@@ -305,7 +285,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
     if (watch) watch(simulation.bodies);
     for (const std::string& note : setup.shape.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
     for (const std::string& note : setup.cage.notes) simulation.warnings.push_back("body." + setup.name + ": " + note);
-    setup.texture = read_texture(description, setup.shape, library, simulation.warnings);
+    setup.look = body_look(description, setup.shape, library, simulation.warnings);
     bodies.push_back(make_body(description, setup, needs_distance));
     if (is_touched[bodies.size() - 1]) {
       bodies.back().rest_surface = rest_surface(setup.shape, library);

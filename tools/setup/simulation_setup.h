@@ -33,7 +33,7 @@ struct BodySetup {
   CageReport cage;
   std::shared_ptr<const Embedding> embedding;  // shared by bodies that differ in their place alone
   Eigen::Index first_node = 0, first_hex = 0;  // in the model
-  std::shared_ptr<const Image> texture;        // linear; null: none
+  Look look;                                   // with its pictures
   std::optional<BodyMap> young_map = std::nullopt, limit_map = std::nullopt;
 };
 

@@ -36,12 +36,9 @@ void add_studio(Scene& scene, double height, double floor) {
   scene.obstacles.push_back(ground);
 }
 
-Look studio_look(bool has_vertex_colors, bool has_texture) {
+Look studio_look(bool has_own_colors) {
   Look look;
-  if (has_texture)
-    look.base_color = {1, 1, 1};
-  else if (!has_vertex_colors)
-    look.base_color = {0.5f, 0.18f, 0.07f};
+  if (!has_own_colors) look.base_color = {0.5f, 0.18f, 0.07f};
   look.roughness = 0.38f;
   look.clearcoat = 0.35f;
   return look;

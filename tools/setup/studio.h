@@ -9,6 +9,6 @@ namespace umax {
 void add_studio(Scene& scene, double height, double floor);
 
 /// Smooth and a little glossy; clay for a mesh without colours of its own.
-Look studio_look(bool has_vertex_colors, bool has_texture);
+Look studio_look(bool has_own_colors);
 
 }  // namespace umax

@@ -1,0 +1,12 @@
+// Mesh files that a large library of others reads, which may fail in any way at all: not for the program itself, but
+// for a helper program of its own (tools/import).
+#pragma once
+
+#include "embedding/mesh_record/mesh_file.h"
+
+namespace umax {
+
+/// Reads STL, glTF, FBX, COLLADA by the given lower-case ending. Throws Error (bad_data) where the file is not sound.
+MeshFile read_with_assimp(const std::filesystem::path& path, const std::string& ending);
+
+}  // namespace umax

@@ -1,0 +1,105 @@
+// What it costs that foreign mesh formats are read by a program of their own.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "embedding/foreign_files/foreign_file.h"
+#include "embedding/mesh_files/foreign_mesh.h"
+#include "tools/benchmarks/bench.h"
+#include "tools/system/seconds_since.h"
+
+namespace umax {
+namespace {
+
+constexpr int side = 708;  // quads: a million triangles
+
+template <class T>
+std::string raw(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+Eigen::Vector3f hill(int i, int j) {
+  const float x = float(i) / side, z = float(j) / side;
+  return {x, 0.1f * std::sin(9 * x) * std::cos(7 * z), z};
+}
+
+std::string hill_stl() {
+  std::string bytes(80, ' ');
+  bytes += raw(std::uint32_t(2 * side * side));
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      for (const int half : {0, 1}) {
+        bytes += std::string(12, '\0');
+        for (const auto& p :
+             {hill(i, j), half ? hill(i + 1, j + 1) : hill(i, j + 1), half ? hill(i + 1, j) : hill(i + 1, j + 1)})
+          bytes += raw(p.x()) + raw(p.y()) + raw(p.z());
+        bytes += std::string(2, '\0');
+      }
+  return bytes;
+}
+
+std::string hill_glb() {
+  std::string buffer;
+  for (int i = 0; i <= side; ++i)
+    for (int j = 0; j <= side; ++j) buffer += raw(hill(i, j).x()) + raw(hill(i, j).y()) + raw(hill(i, j).z());
+  const std::size_t vertex_bytes = buffer.size();
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const int a = i * (side + 1) + j, b = a + side + 1;
+      for (const int corner : {a, a + 1, b + 1, a, b + 1, b}) buffer += raw(std::uint32_t(corner));
+    }
+  std::string json = fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[
+{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"buffers":[{{"byteLength":{0}}}],"bufferViews":[{{"buffer":0,"byteOffset":0,
+"byteLength":{1}}},{{"buffer":0,"byteOffset":{1},"byteLength":{2}}}],"accessors":[{{"bufferView":0,"componentType":5126,
+"count":{3},"type":"VEC3","min":[0,-1,0],"max":[1,1,1]}},{{"bufferView":1,"componentType":5125,"count":{4},"type":"SCALAR"}}]}})",
+      buffer.size(), vertex_bytes, buffer.size() - vertex_bytes, vertex_bytes / 12, 6 * side * side);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::string chunks = raw(std::uint32_t(json.size())) + "JSON" + json + raw(std::uint32_t(buffer.size())) +
+                             std::string("BIN\0", 4) + buffer;
+  return "glTF" + raw(std::uint32_t(2)) + raw(std::uint32_t(12 + chunks.size())) + chunks;
+}
+
+/// [s] medians of reading the file in this process and by the helper, in turns.
+std::pair<double, double> reading_times(const std::filesystem::path& path, const std::string& ending) {
+  constexpr int times = 7;
+  std::vector<double> here, apart;
+  for (int i = 0; i < times; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    read_with_assimp(path, ending);
+    here.push_back(seconds_since(start));
+    const auto middle = std::chrono::steady_clock::now();
+    read_foreign(path, ending, import_limits(path));
+    apart.push_back(seconds_since(middle));
+  }
+  std::sort(here.begin(), here.end());
+  std::sort(apart.begin(), apart.end());
+  return {here[times / 2], apart[times / 2]};
+}
+
+BenchRows foreign_formats() {
+  BenchRows rows;
+  for (const std::string ending : {"stl", "glb"}) {
+    const auto path = std::filesystem::temp_directory_path() / ("umax-bench-import." + ending);
+    std::ofstream(path, std::ios::binary) << (ending == "stl" ? hill_stl() : hill_glb());
+    const auto [here, apart] = reading_times(path, ending);
+    std::filesystem::remove(path);
+    rows.push_back(at_most(fmt::format("{} of a million triangles: by umax-import over in the process", ending),
+                           apart / here, 1.1, "x", fmt::format("{:.0f} ms over {:.0f} ms", 1e3 * apart, 1e3 * here)));
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Benchmark> import_benchmarks() {
+  return {{.name = "import", .run = foreign_formats}};
+}
+
+}  // namespace umax
