@@ -315,7 +315,7 @@ std::optional<MeshFile> read_patched(const Path& path, const std::string& ending
 
 }  // namespace
 
-MeshFile read_with_assimp(const Path& path, const std::string& ending) {
+void read_with_assimp(const Path& path, const std::string& ending, const std::function<void(MeshFile&&)>& take) {
   if (ending == "fbx") require_new_fbx(path);
   Assimp::Importer importer;
   aiScene* scene = import(path, importer);
@@ -324,7 +324,13 @@ MeshFile read_with_assimp(const Path& path, const std::string& ending) {
   if (!file || file->mesh.num_triangles() == 0)
     if (auto patched = read_patched(path, ending)) file = std::move(patched);
   if (!file) refuse_file(path, ending, importer.GetErrorString());
-  return std::move(*file);
+  take(std::move(*file));
+}
+
+MeshFile read_with_assimp(const Path& path, const std::string& ending) {
+  MeshFile result;
+  read_with_assimp(path, ending, [&](MeshFile&& file) { result = std::move(file); });
+  return result;
 }
 
 }  // namespace umax

@@ -77,9 +77,10 @@ std::vector<fs::path> import_helper_places() {
   std::vector<fs::path> holders{fs::read_symlink("/proc/self/exe", error)};
   Dl_info info{};
   if (::dladdr(reinterpret_cast<void*>(&import_helper_places), &info) != 0 && info.dli_fname)
-    holders.push_back(fs::absolute(info.dli_fname, error));
+    holders.emplace_back(info.dli_fname);
   for (const fs::path& holder : holders)
     for (const char* place : {"umax-import", "../libexec/umax/umax-import"}) {
+      if (!holder.is_absolute()) continue;  // as it was called: says nothing of where it is
       const fs::path path = (holder.parent_path() / place).lexically_normal();
       if (std::find(places.begin(), places.end(), path) == places.end()) places.push_back(path);
     }
@@ -92,11 +93,10 @@ ImportLimits import_limits(const fs::path& path) {
 }
 
 MeshFile read_foreign(const fs::path& path, const std::string& ending, const ImportLimits& limits) {
-  const ImportProcess process({find_helper(path).string(), std::to_string(mesh_record_version),
-                               std::to_string(limits.memory), std::to_string(limits.seconds), ending, path.string()},
-                              5 * limits.seconds);
-  if (process.end().kind == ImportEnd::Kind::exited && process.end().number == 0)
-    if (auto file = read_mesh_record(process.output(), path.string())) return std::move(*file);
+  ImportProcess process({find_helper(path).string(), std::to_string(mesh_record_version), std::to_string(limits.memory),
+                         std::to_string(limits.seconds), ending, path.string()},
+                        5 * limits.seconds);
+  if (auto file = read_mesh_record(process.output(), path.string())) return std::move(*file);
   refuse_end(path, process.end(), limits);
 }
 

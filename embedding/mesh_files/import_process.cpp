@@ -80,39 +80,31 @@ bool wait_for_close(int pipe, Clock::time_point deadline) {
   }
 }
 
-/// Waits until the deadline, then kills.
-ImportEnd wait_for_end(pid_t child, int pipe, Clock::time_point deadline) {
-  bool in_time = wait_for_close(pipe, deadline);
-  int status = 0;
-  pid_t ended = 0;
-  while (in_time && (ended = ::waitpid(child, &status, WNOHANG)) == 0) {
-    in_time = Clock::now() < deadline;
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-  }
-  if (ended == 0) {
-    ::kill(-child, SIGKILL);  // with all that it started
-    while ((ended = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {
-    }
-    return {ImportEnd::Kind::timed_out, 0};
-  }
-  if (ended < 0) return {};  // a host that ignores SIGCHLD: the record tells whether all went well
+ImportEnd end_of(int status) {
   if (!WIFSIGNALED(status)) return {ImportEnd::Kind::exited, WEXITSTATUS(status)};
   if (WTERMSIG(status) == SIGXCPU) return {ImportEnd::Kind::timed_out, 0};
   return {ImportEnd::Kind::signalled, WTERMSIG(status)};
 }
 
+void kill_and_wait(pid_t child) {
+  ::kill(-child, SIGKILL);
+  while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
 }  // namespace
 
-ImportProcess::ImportProcess(const std::vector<std::string>& command, long long seconds) {
+ImportProcess::ImportProcess(const std::vector<std::string>& command, long long seconds)
+    : deadline_(Clock::now() + std::chrono::seconds(seconds)) {
   const Descriptor output(::memfd_create("umax-import", MFD_CLOEXEC));
   int ends[2];
   if (output.number < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
     fail(Fault::io_error, command.front(), "cannot be given files to write to", errno);
   const Descriptor words(ends[0]);
   Descriptor messages(ends[1]);
-  const pid_t child = start(command, output.number, messages.number);
+  child_ = start(command, output.number, messages.number);
   messages.close();
-  end_ = wait_for_end(child, words.number, Clock::now() + std::chrono::seconds(seconds));
+  if (!wait_for_close(words.number, deadline_)) return;
 
   struct stat status{};
   if (::fstat(output.number, &status) != 0 || status.st_size == 0) return;
@@ -121,7 +113,19 @@ ImportProcess::ImportProcess(const std::vector<std::string>& command, long long 
 }
 
 ImportProcess::~ImportProcess() {
+  if (child_ >= 0) kill_and_wait(child_);
   if (!output_.empty()) ::munmap(const_cast<char*>(output_.data()), output_.size());
+}
+
+ImportEnd ImportProcess::end() {
+  int status = 0;
+  pid_t ended = 0;
+  while ((ended = ::waitpid(child_, &status, WNOHANG)) == 0 && Clock::now() < deadline_)
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  if (ended == 0) kill_and_wait(child_);
+  child_ = -1;
+  if (ended == 0) return {ImportEnd::Kind::timed_out, 0};
+  return ended < 0 ? ImportEnd{} : end_of(status);  // less than 0: a host that does not want to hear of its children
 }
 
 }  // namespace umax

@@ -1,6 +1,7 @@
-// One run of a helper program: started, waited for, ended when it takes too long; what it wrote lies in memory.
+// One run of a helper program: started, waited for, ended when it takes too long. What it wrote lies in memory.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,19 +16,22 @@ struct ImportEnd {
 
 class ImportProcess {
  public:
-  /// Runs the command to its end, or for so many seconds by the clock. Throws Error (unavailable, io_error) where it
-  /// cannot be started.
+  /// Starts the command and waits until it closes its standard error, or for so many seconds by the clock. Throws Error
+  /// (unavailable, io_error) where it cannot be started.
   ImportProcess(const std::vector<std::string>& command, long long seconds);
+  /// Ends it, with all that it started, if it still runs.
   ~ImportProcess();
   ImportProcess(const ImportProcess&) = delete;
   ImportProcess& operator=(const ImportProcess&) = delete;
 
-  const ImportEnd& end() const { return end_; }
-  /// What it wrote to its standard output; lives as long as this.
+  /// What it wrote to its standard output so far; lives as long as this.
   std::string_view output() const { return output_; }
+  /// Waits for its end, no longer than the constructor would have, and then ends it.
+  ImportEnd end();
 
  private:
-  ImportEnd end_;
+  int child_ = -1;
+  std::chrono::steady_clock::time_point deadline_;
   std::string_view output_;
 };
 

@@ -40,6 +40,12 @@ void put(std::string_view bytes) {
   }
 }
 
+/// Tells by the end of its messages that the record is whole; then the system frees what is left faster than we do.
+[[noreturn]] void finish() {
+  ::close(STDERR_FILENO);
+  ::_exit(0);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -55,9 +61,12 @@ int main(int count, char** arguments) {
   limit_memory(std::strtoull(arguments[2], nullptr, 10));
   std::set_new_handler(end_for_want_of_memory);
   try {
-    umax::put_mesh_record(umax::read_with_assimp(arguments[5], arguments[4]), put);
+    umax::read_with_assimp(arguments[5], arguments[4], [](umax::MeshFile&& file) {
+      umax::put_mesh_record(file, put);
+      finish();
+    });
   } catch (const umax::Error& error) {
     umax::put_error_record(error, put);
   }
-  return 0;
+  finish();
 }
