@@ -20,6 +20,7 @@ constexpr float shoulder = 0.985f;  // d
 struct FilmicCurve {
   float a, b, c, white;
 
+  FilmicCurve(float a_, float b_, float c_, float white_) : a(a_), b(b_), c(c_), white(white_) {}
   explicit FilmicCurve(const ToneMapOptions& options) : a(options.contrast), white(options.white) {
     const float d = shoulder;
     const float mid_a = std::pow(mid_in, a), mid_ad = std::pow(mid_in, a * d);
@@ -54,6 +55,19 @@ Vector3f filmic(const Vector3f& rgb, const FilmicCurve& curve, float saturation)
 }
 
 }  // namespace
+
+ShownLuminance::ShownLuminance(const ToneMapOptions& options)
+    : options_(options), scale_(std::exp2(options.exposure_stops)) {
+  const FilmicCurve curve(options);
+  b_ = curve.b;
+  c_ = curve.c;
+}
+
+float ShownLuminance::operator()(float luminance) const {
+  const float light = finite_light(scale_ * luminance);
+  if (options_.curve == ToneCurve::standard) return std::min(light, 1.0f);
+  return FilmicCurve{options_.contrast, b_, c_, options_.white}(light);
+}
 
 Image8 tone_map(const Image& linear, const ToneMapOptions& options) {
   Image8 out(linear.width, linear.height, linear.channels);

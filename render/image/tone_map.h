@@ -26,6 +26,18 @@ struct ToneMapOptions {
   float saturation = 1.12f;  // [-] after the curve
 };
 
+/// What the screen shows of grey light: relative to white, before the sRGB curve, for questions of how visible a
+/// difference is.
+class ShownLuminance {
+ public:
+  explicit ShownLuminance(const ToneMapOptions& options);
+  float operator()(float luminance) const;
+
+ private:
+  ToneMapOptions options_;
+  float scale_, b_, c_;
+};
+
 /// 8-bit sRGB of a scene-linear picture; alpha (a 4th channel) is kept. Deterministic, no dithering.
 Image8 tone_map(const Image& linear, const ToneMapOptions& options = {});
 

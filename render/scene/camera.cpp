@@ -1,5 +1,6 @@
 #include "render/scene/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -35,6 +36,25 @@ CameraView make_camera_view(const Camera& camera, int width, int height) {
   view.corner = view.forward + view.up * half_height - view.right * (half_height * float(width) / float(height));
   view.aperture_radius = camera.aperture_radius;
   view.focus_distance = camera.focus_distance > 0 ? camera.focus_distance : line_of_sight.norm();
+  return view;
+}
+
+CameraView camera_at(const std::vector<CameraView>& views, float time) {
+  if (views.size() < 2) return views.front();
+  const float position = time * float(views.size() - 1);
+  const std::size_t before = std::min(std::size_t(position), views.size() - 2);
+  const CameraView &a = views[before], &b = views[before + 1];
+  const float share = position - float(before), rest = 1 - share;
+  CameraView view;
+  view.position = rest * a.position + share * b.position;
+  view.right = (rest * a.right + share * b.right).normalized();
+  view.up = (rest * a.up + share * b.up).normalized();
+  view.forward = (rest * a.forward + share * b.forward).normalized();
+  view.corner = rest * a.corner + share * b.corner;
+  view.step_x = rest * a.step_x + share * b.step_x;
+  view.step_y = rest * a.step_y + share * b.step_y;
+  view.aperture_radius = rest * a.aperture_radius + share * b.aperture_radius;
+  view.focus_distance = rest * a.focus_distance + share * b.focus_distance;
   return view;
 }
 

@@ -29,12 +29,12 @@ inline SinCos sin_cos(float angle) {
   return {(quadrant & 2) != 0 ? -sine : sine, ((quadrant + 1) & 2) != 0 ? -cosine : cosine};
 }
 
-/// Angle of the point (x, y) in [-pi, pi], to 1e-6; 0 at the origin.
+/// Angle of the point (x, y) in [-pi, pi], to 1e-6; 0 at the origin. Without branches.
 inline float fast_atan2(float y, float x) {
   const float ax = std::abs(x), ay = std::abs(y);
   const float larger = ax > ay ? ax : ay, smaller = ax > ay ? ay : ax;
-  if (!(larger > 0)) return 0;
-  const float t = smaller / larger, s = t * t;
+  const bool at_origin = !(larger > 0);
+  const float t = smaller / (at_origin ? 1.0f : larger), s = t * t;
   // odd polynomial for the arc tangent on [0, 1], after Abramowitz and Stegun 4.4.49
   float angle =
       t *
@@ -44,9 +44,10 @@ inline float fast_atan2(float y, float x) {
                  s * (-0.1420889944f +
                       s * (0.1065626393f +
                            s * (-0.0752896400f + s * (0.0429096138f + s * (-0.0161657367f + s * 0.0028662257f))))))));
-  if (ay > ax) angle = 1.57079633f - angle;
-  if (x < 0) angle = 3.14159265f - angle;
-  return y < 0 ? -angle : angle;
+  angle = ay > ax ? 1.57079633f - angle : angle;
+  angle = x < 0 ? 3.14159265f - angle : angle;
+  angle = y < 0 ? -angle : angle;
+  return at_origin ? 0.0f : angle;
 }
 
 }  // namespace umax

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/scene/render_scene.h"
+#include "render/scene/rows.h"
 #include "render/scene/sampling.h"
 
 namespace umax {
@@ -17,6 +18,19 @@ struct LightSample {
   float density = 0;            // [1/sr]; 0: no sample
 };
 
+/// The same for many points: which rectangle, in place of its radiance; where density is 0 there is no sample.
+struct LightRows {
+  rows::DirectionRows direction;
+  rows::Row distance, density;
+  rows::RowOf<int> light;
+};
+
+/// Nearest rectangles that rays meet; light -1: none.
+struct LightMetRows {
+  rows::RowOf<int> light;
+  rows::Row distance;
+};
+
 /// The scene's rectangles, made ready. One is chosen by a guess of what it gives to the lit point.
 class RectangleLights {
  public:
@@ -25,6 +39,8 @@ class RectangleLights {
   bool empty() const { return lights_.empty(); }
 
   LightSample sample(const Vector3f& from, const Vector2f& u) const;
+  /// The same bits for `count` points and pairs of uniform numbers at once.
+  void sample(const rows::DirectionRows& from, const rows::Row& u, const rows::Row& v, int count, LightRows& to) const;
 
   struct Met {
     int light = -1;  // -1: none
@@ -32,6 +48,8 @@ class RectangleLights {
   };
   /// Nearest rectangle that a ray meets from its bright side.
   Met meet(const Vector3f& origin, const Vector3f& direction, float max_distance, bool from_camera) const;
+  /// The same bits for `count` rays at once.
+  void meet(const rows::RayRows& rays, int count, bool from_camera, LightMetRows& met) const;
   const Vector3f& radiance(int light) const { return lights_[light].radiance; }
   /// Density [1/sr] with which sample() goes from a point to where a ray from there met a light.
   float density(const Met& met, const Vector3f& from, const Vector3f& direction) const;
@@ -45,6 +63,8 @@ class RectangleLights {
   };
   static float guess(const Rectangle& light, const Vector3f& from);
   float total_guess(const Vector3f& from) const;
+  void choose(const rows::DirectionRows& from, const rows::Row& u, int count, LightRows& to, rows::Row& again,
+              rows::Row& chance) const;
   std::vector<Rectangle> lights_;
 };
 

@@ -11,6 +11,7 @@ namespace umax {
 struct Ray {
   Vector3f origin{0, 0, 0}, direction{0, 0, 1};  // [m], unit
   float max_distance = std::numeric_limits<float>::infinity();
+  float time = 0;  // 0: when the shutter opens, 1: when it closes
 };
 
 struct Hit {

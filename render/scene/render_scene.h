@@ -33,10 +33,19 @@ struct Look {
   bool vertex_colors = false;      // the mesh's colors replace base_color (heat maps, painted meshes)
 };
 
+/// Where a surface is while the shutter is open: at `instants.size()` even times from `first` to `last`, in which 0 is
+/// when the shutter opens and 1 when it closes; in between its points go straight. [first, last] contains [0, 1].
+struct SurfaceMotion {
+  float first = 0, last = 1;
+  std::vector<std::shared_ptr<const TriangleMesh>> instants{};  // vertices and normals of the object's mesh, at least
+                                                                // two; none: it stands still
+};
+
 struct RenderObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // world space [m]
   Look look;
+  SurfaceMotion motion = {};  // path tracer
 
   /// Whether each material of the mesh has a paint of its own.
   bool has_paints() const {
@@ -111,6 +120,8 @@ struct RenderScene {
   Sky sky = ConstantSky{};
   std::optional<Vector3f> backdrop;  // colour camera rays see instead of the sky
   Camera camera;
+  std::vector<Camera> camera_path{};  // at even times from the shutter's opening to its closing, at least two; none: it
+                                      // stands still (path tracer)
   std::optional<WireOverlay> wires;
   std::optional<Legend> legend;
   std::vector<Caption> captions{};

@@ -64,6 +64,10 @@ std::uint32_t SampleSequence::block_key(int x, int y) const {
   return column == 0 && row == 0 ? 0 : hash_bits(seed_ ^ hash_bits(column + 0x10001u * row));
 }
 
+std::uint32_t SampleSequence::stream_key(int stream) {
+  return stream == 0 ? 0 : hash_bits(0x632be5abu * std::uint32_t(stream));
+}
+
 Vector2f SampleSequence::point_reversed(std::uint32_t reversed_index, int dimension, std::uint32_t block_key) const {
   Vector2f point;
   points(&reversed_index, &block_key, 1, dimension, &point.x(), &point.y());

@@ -35,6 +35,8 @@ class SampleSequence {
   std::uint32_t pixel_start(int x, int y) const;
   /// Key that tells blocks of pixels apart where the index has no room for the whole picture.
   std::uint32_t block_key(int x, int y) const;
+  /// Added to it by exclusive or, makes another sequence that knows nothing of the first; of stream 0 it is 0.
+  static std::uint32_t stream_key(int stream);
   /// The point [0, 1)^2 of a pair of dimensions at an index of the sequence.
   Vector2f point(std::uint32_t index, int dimension, std::uint32_t block_key) const {
     return point_reversed(reverse_bits(index), dimension, block_key);

@@ -10,11 +10,6 @@
 namespace umax {
 namespace {
 
-using bsdf_core::Direction;
-
-Direction direction_of(const Vector3f& v) {
-  return {v.x(), v.y(), v.z()};
-}
 Vector3f vector_of(const Direction& d) {
   return {d.x, d.y, d.z};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/scene/fast_math.h"
+#include "render/scene/rows.h"
 
 namespace umax::bsdf_core {
 
@@ -20,9 +21,6 @@ inline float smaller(float a, float b) {
   return a < b ? a : b;
 }
 
-struct Direction {
-  float x = 0, y = 0, z = 1;
-};
 struct Color {
   float r = 0, g = 0, b = 0;
 };

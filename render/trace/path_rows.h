@@ -1,36 +1,13 @@
-// What a wave of paths keeps, one row of numbers for each quantity: loops over rows become vector code.
+// What a wave of paths keeps of surfaces, one row of numbers for each quantity.
 #pragma once
 
-#include <array>
-
+#include "render/scene/rows.h"
 #include "render/trace/bsdf_core.h"
-#include "render/trace/path_wave.h"
 
-namespace umax::path_rows {
+namespace umax::rows {
 
-using bsdf_core::Direction;
 using bsdf_core::Surface;
 
-constexpr int max_paths = PathWave::max_paths;
-
-// one number per path
-template <class T>
-struct alignas(64) RowOf {
-  std::array<T, max_paths> values;
-  T& operator[](int i) { return values[i]; }
-  const T& operator[](int i) const { return values[i]; }
-  T* data() { return values.data(); }
-  const T* data() const { return values.data(); }
-};
-using Row = RowOf<float>;
-
-struct DirectionRows {
-  Row x, y, z;
-  Direction at(int i) const { return {x[i], y[i], z[i]}; }
-  Vector3f vector(int i) const { return {x[i], y[i], z[i]}; }
-  void set(int i, const Direction& d) { x[i] = d.x, y[i] = d.y, z[i] = d.z; }
-  void set(int i, const Vector3f& d) { x[i] = d.x(), y[i] = d.y(), z[i] = d.z(); }
-};
 struct ColorRows {
   Row r, g, b;
   bsdf_core::Color at(int i) const { return {r[i], g[i], b[i]}; }
@@ -69,7 +46,6 @@ struct SurfaceRows {
 };
 struct LookRows {
   Row alpha, f0, f90, metallic, coat, coat_alpha, a, b, coat_a, coat_b;
-  ColorRows base;
 };
 // axes of the local frames [Duff et al. 2017]
 struct FrameRows {
@@ -84,4 +60,4 @@ struct FrameRows {
   }
 };
 
-}  // namespace umax::path_rows
+}  // namespace umax::rows

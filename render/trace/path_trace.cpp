@@ -12,8 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/base/srgb.h"
-#include "render/trace/path_wave.h"
+#include "render/trace/enough_samples.h"
 
 namespace umax {
 namespace {
@@ -39,87 +38,92 @@ class FlushDenormals {
 };
 
 PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options) {
-  PathTracer tracer{.rays = rays,
-                    .looks = {},
-                    .lights = RectangleLights(scene.lights),
-                    .sky = SkyLight(scene.sky),
-                    .backdrop = scene.backdrop,
-                    .camera = make_camera_view(scene.camera, options.width, options.height),
-                    .sequence = SampleSequence(options.samples, options.seed),
-                    .filter = {},
-                    .bounces = options.bounces};
+  PathTracer tracer{
+      .rays = rays,
+      .looks = {},
+      .lights = RectangleLights(scene.lights),
+      .sky = SkyLight(scene.sky),
+      .backdrop = scene.backdrop,
+      .cameras = {},
+      .has_shutter = false,
+      .sequence = SampleSequence(options.noise > 0 ? (options.samples + 1) / 2 : options.samples, options.seed),
+      .filter = {},
+      .bounces = options.bounces};
   for (const RenderObject& object : scene.objects)
     tracer.looks.push_back(make_bsdf_look(object.look, "object " + object.name));
+  for (const Camera& camera : scene.camera_path)
+    tracer.cameras.push_back(make_camera_view(camera, options.width, options.height));
+  if (tracer.cameras.size() < 2) tracer.cameras = {make_camera_view(scene.camera, options.width, options.height)};
+  const auto moves = [](const RenderObject& object) { return object.motion.instants.size() > 1; };
+  tracer.has_shutter = tracer.cameras.size() > 1 || std::any_of(scene.objects.begin(), scene.objects.end(), moves);
   return tracer;
 }
-
-void store(Image& image, int x, int y, const Eigen::Vector3d& value) {
-  float* pixel = image.pixel(x, y);
-  for (int c = 0; c < 3; ++c) pixel[c] = float(value[c]);
-}
-
-// the paths of one pixel, summed in their order
-struct PixelSum {
-  Eigen::Vector3d color{0, 0, 0}, half{0, 0, 0}, albedo{0, 0, 0}, normal{0, 0, 0};
-  double depth = 0, squares = 0, luminances = 0;
-  int num_met = 0;
-
-  void add(const PathResult& path, int sample) {
-    const Eigen::Vector3d radiance = path.radiance.cast<double>();
-    color += radiance;
-    if (sample % 2 == 0) half += radiance;
-    albedo += path.albedo.cast<double>();
-    normal += path.normal.cast<double>();
-    const double light = double(luminance(path.radiance.x(), path.radiance.y(), path.radiance.z()));
-    luminances += light;
-    squares += light * light;
-    depth += double(path.depth);
-    num_met += path.depth > 0;
-  }
-
-  void store_in(TracedImage& image, int column, int row, int samples) const {
-    store(image.color, column, row, color / samples);
-    store(image.half, column, row, half / ((samples + 1) / 2));
-    store(image.albedo, column, row, albedo / samples);
-    store(image.normal, column, row, normal / samples);
-    *image.depth.pixel(column, row) = num_met ? float(depth / num_met) : 0.0f;
-    const double mean = luminances / samples;
-    *image.variance.pixel(column, row) =
-        samples > 1 ? float(std::max(0.0, squares / samples - mean * mean) / (samples - 1)) : 0.0f;
-  }
-};
 
 // part of the picture that one thread traces at a time: columns and rows of what is kept
 struct TileArea {
   int left, top, right, bottom;
 };
 
-// all paths of a tile, pixel after pixel, in waves
-void trace_tile(const PathTracer& tracer, const Crop& crop, const TileArea& tile, int samples, TracedImage& image,
-                std::vector<RecordedRay>* recording) {
-  PathWave wave(tracer);
-  std::array<PixelSum, tile_size * tile_size> sums;
-  std::vector<PathStart> starts;
-  std::vector<int> pixels;
-  const auto trace = [&] {
-    const PathResult* results = wave.trace(starts, recording);
-    for (std::size_t i = 0; i < starts.size(); ++i) sums[pixels[i]].add(results[i], starts[i].sample);
-    starts.clear();
-    pixels.clear();
-  };
-  for (int row = tile.top; row < tile.bottom; ++row) {
-    for (int column = tile.left; column < tile.right; ++column) {
-      for (int sample = 0; sample < samples; ++sample) {
-        starts.push_back({.x = crop.x0 + column, .y = crop.y0 + row, .sample = sample});
-        pixels.push_back((row - tile.top) * tile_size + column - tile.left);
-        if (starts.size() == PathWave::max_paths) trace();
-      }
+// Paths on their way into sums, traced in waves.
+class PathQueue {
+ public:
+  PathQueue(const PathTracer& tracer, const Crop& crop, std::vector<RecordedRay>* recording)
+      : wave_(tracer), crop_(crop), recording_(recording) {}
+
+  /// Samples `begin` to `end` - 1 of a pixel of the crop.
+  void add(int column, int row, int stream, int begin, int end, PixelSum& sum) {
+    for (int sample = begin; sample < end; ++sample) {
+      starts_.push_back({.x = crop_.x0 + column, .y = crop_.y0 + row, .sample = sample, .stream = stream});
+      sums_.push_back(&sum);
+      if (starts_.size() == PathWave::max_paths) flush();
     }
   }
-  trace();
+
+  void flush() {
+    const PathResult* results = wave_.trace(starts_, recording_);
+    for (std::size_t i = 0; i < starts_.size(); ++i) sums_[i]->add(results[i], starts_[i].sample);
+    starts_.clear();
+    sums_.clear();
+  }
+
+ private:
+  PathWave wave_;
+  Crop crop_;
+  std::vector<RecordedRay>* recording_;
+  std::vector<PathStart> starts_;
+  std::vector<PixelSum*> sums_;
+};
+
+template <class Sums, class Visit>
+void for_each_pixel(const TileArea& tile, std::array<Sums, tile_size * tile_size>& sums, const Visit& visit) {
   for (int row = tile.top; row < tile.bottom; ++row)
     for (int column = tile.left; column < tile.right; ++column)
-      sums[(row - tile.top) * tile_size + column - tile.left].store_in(image, column, row, samples);
+      visit(column, row, sums[(row - tile.top) * tile_size + column - tile.left]);
+}
+
+// all paths of a tile, pixel after pixel
+void trace_tile(PathQueue& queue, const TileArea& tile, int samples, TracedImage& image) {
+  std::array<PixelSum, tile_size * tile_size> sums;
+  for_each_pixel(tile, sums, [&](int column, int row, PixelSum& sum) { queue.add(column, row, 0, 0, samples, sum); });
+  queue.flush();
+  for_each_pixel(tile, sums, [&](int column, int row, const PixelSum& sum) { store_pixel(sum, image, column, row); });
+}
+
+// as many paths as the pixels need, in two halves
+void trace_tile(PathQueue& queue, const TileArea& tile, const EnoughSamples& enough, TracedImage& image) {
+  using Halves = std::array<PixelSum, 2>;
+  std::array<Halves, tile_size * tile_size> sums;
+  for_each_pixel(tile, sums, [&](int column, int row, Halves& halves) {
+    for (int h = 0; h < 2; ++h) queue.add(column, row, h, 0, enough.first(), halves[h]);
+  });
+  queue.flush();
+  for_each_pixel(tile, sums, [&](int column, int row, Halves& halves) {
+    const std::array<int, 2> needed{enough.needed(halves[1]), enough.needed(halves[0])};
+    for (int h = 0; h < 2; ++h) queue.add(column, row, h, enough.first(), needed[h], halves[h]);
+  });
+  queue.flush();
+  for_each_pixel(tile, sums,
+                 [&](int column, int row, const Halves& halves) { store_pixel(halves, image, column, row); });
 }
 
 void check(const PathTraceOptions& options, const Crop& crop) {
@@ -130,6 +134,11 @@ void check(const PathTraceOptions& options, const Crop& crop) {
   if (options.height < 1 || options.height > 65536) fail("render.size", "must lie between 1 and 65536", options.height);
   if (options.samples < 1 || options.samples > 65536)
     fail("render.samples", "must lie between 1 and 65536", options.samples);
+  if (!(options.noise >= 0 && options.noise <= 1))
+    throw Error(Fault::bad_data, {.where = "render.noise",
+                                  .what = "must lie between 0 and 1",
+                                  .value = std::to_string(options.noise),
+                                  .remedy = ""});
   if (options.bounces < 0 || options.bounces > 1000)
     fail("render.bounces", "must lie between 0 and 1000", options.bounces);
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > options.width || crop.y1 > options.height || crop.x0 >= crop.x1 ||
@@ -165,7 +174,9 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
                     .normal = Image(width, height),
                     .depth = Image(width, height, 1),
                     .variance = Image(width, height, 1),
-                    .half = Image(width, height)};
+                    .half = Image(width, height),
+                    .samples = Image(width, height, 1)};
+  const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);
   if (options.recording) options.recording->assign(tiles, {});
@@ -175,7 +186,11 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
     const FlushDenormals flush;
     const int left = int(tile % columns) * tile_size, top = int(tile / columns) * tile_size;
     const TileArea area{left, top, std::min(left + tile_size, width), std::min(top + tile_size, height)};
-    trace_tile(tracer, crop, area, options.samples, image, options.recording ? &(*options.recording)[tile] : nullptr);
+    PathQueue queue(tracer, crop, options.recording ? &(*options.recording)[tile] : nullptr);
+    if (options.noise > 0)
+      trace_tile(queue, area, enough, image);
+    else
+      trace_tile(queue, area, options.samples, image);
     progress.add_one();
   });
   return image;

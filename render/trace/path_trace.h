@@ -17,9 +17,12 @@ struct Crop {
 struct PathTraceOptions {
   int width = 1280, height = 720;  // [px] of the whole picture
   int samples = 64;                // paths a pixel; powers of two are spread best
-  int bounces = 4;                 // [-] times that light may bounce between surfaces; 0: direct light only
-  unsigned seed = 1;               // another seed, other noise
-  std::optional<Crop> crop = {};   // trace only this part: the same values as in the whole picture
+  double noise =
+      0;            // [-] standard error of a pixel's luminance as the screen shows it, over its value, that is enough:
+                    // `samples` are then the most; 0: all are taken
+  int bounces = 4;  // [-] times that light may bounce between surfaces; 0: direct light only
+  unsigned seed = 1;                             // another seed, other noise
+  std::optional<Crop> crop = {};                 // trace only this part: the same values as in the whole picture
   std::function<void(double)> on_progress = {};  // called with the done fraction, from one thread at a time
   const std::atomic<bool>* stop = nullptr;       // becomes true: the rest of the picture stays black
   RayRecording* recording = nullptr;             // receives every ray (for measurements; costs memory)
@@ -32,7 +35,8 @@ struct TracedImage {
   Image normal;    // 3: shading normal of the first surface, world space; 0 where there is none
   Image depth;     // 1: distance along the ray [m], mean over the paths that met a surface; 0 where none did
   Image variance;  // 1: of the pixel's luminance, estimated from its paths
-  Image half;      // 3: colour from every second path alone: tells noise from texture
+  Image half;      // 3: colour from half of the paths alone: tells noise from texture
+  Image samples;   // 1: paths that were traced
 };
 
 /// Traces a picture. The values do not depend on the number of threads, tiles or the crop. Throws Error 65 for scenes

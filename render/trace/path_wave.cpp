@@ -11,15 +11,16 @@
 namespace umax {
 namespace {
 
-using namespace path_rows;
+using namespace rows;
 using bsdf_core::LobeChoice;
 
 // pairs of dimensions of the sample points: a path's first ones, then a block for each vertex
 enum Dimension { dim_filter, dim_lens, dims_of_camera };
+constexpr int dim_time = SampleSequence::max_dimensions - 1;
 enum VertexDimension { dim_light, dim_sky, dim_scatter, dim_roulette, dims_of_vertex };
 
 // weight of one of two strategies that could have found the same light [Veach 1995, power heuristic]
-float strategy_weight(float own_density, float other_density) {
+inline float strategy_weight(float own_density, float other_density) {
   const float own = own_density * own_density, other = other_density * other_density;
   return own / (own + other);
 }
@@ -35,23 +36,31 @@ struct PathWave::Buffers {
 
   // of a path
   RowOf<std::uint32_t> reversed_index, block_key;
-  std::array<int, max_paths> slot{};  // place of its result
-  std::array<Ray, max_paths> ray;
-  std::array<Vector3f, max_paths> throughput;
+  RowOf<int> slot;  // place of its result
+  RayRows ray;
+  ColorRows throughput;
   Row density;  // [1/sr] with which the ray's direction was chosen
-  std::array<PathResult, max_paths> results;
+  std::array<PathResult, capacity> results;
 
   // of the surface that it met
-  std::array<Hit, max_paths> hit;
-  std::array<SurfacePoint, max_paths> point;
-  std::array<LightSample, max_paths> light;
+  HitRows hit;
+  SurfacePoints surface_points;
+  SurfacePointRows point;
+  LightMetRows met;
+  LightRows light;
+  DirectionRows light_radiance;
   Row u, v;
   LookRows look;
   FrameRows frame;
   SurfaceRows surface;
   DirectionRows direction, cosine, mirrored;
   ColorRows value;
-  Row value_density, choice_again, choice_alpha;
+  Row value_density, choice_again, choice_alpha, weight;
+  RowOf<int> goes_on;
+
+  // rays towards lights
+  RayRows shadow;
+  RowOf<int> shadow_of, blocked;
 
   // --- camera
   void start(const std::vector<PathStart>& starts) {
@@ -59,19 +68,24 @@ struct PathWave::Buffers {
     for (int i = 0; i < count; ++i) {
       const PathStart& s = starts[i];
       reversed_index[i] = reverse_bits(tracer.sequence.pixel_start(s.x, s.y) + std::uint32_t(s.sample));
-      block_key[i] = tracer.sequence.block_key(s.x, s.y);
+      block_key[i] = tracer.sequence.block_key(s.x, s.y) ^ SampleSequence::stream_key(s.stream);
       slot[i] = i;
-      throughput[i] = Vector3f(1, 1, 1);
+      throughput.set(i, {1, 1, 1});
       density[i] = 0;
       results[i] = PathResult{};
     }
-    Row lens_u{}, lens_v{};
-    if (tracer.camera.aperture_radius > 0) draw(dim_lens, lens_u, lens_v);
+    for (int i = 0; i < count; ++i) ray.time[i] = 0;
+    if (tracer.has_shutter) draw(dim_time, ray.time, v);
+    Row lens_u, lens_v;
+    for (int i = 0; i < count; ++i) lens_u[i] = lens_v[i] = 0;
+    if (tracer.cameras.front().aperture_radius > 0) draw(dim_lens, lens_u, lens_v);
     draw(dim_filter, u, v);
     for (int i = 0; i < count; ++i) {
       const Vector2f offset = tracer.filter.offset({u[i], v[i]});
-      ray[i] = camera_ray(tracer.camera, float(starts[i].x) + 0.5f + offset.x(), float(starts[i].y) + 0.5f + offset.y(),
-                          {lens_u[i], lens_v[i]});
+      Ray start = camera_ray(camera_at(tracer.cameras, ray.time[i]), float(starts[i].x) + 0.5f + offset.x(),
+                             float(starts[i].y) + 0.5f + offset.y(), {lens_u[i], lens_v[i]});
+      start.time = ray.time[i];
+      ray.set(i, start);
     }
   }
 
@@ -82,83 +96,101 @@ struct PathWave::Buffers {
   // --- rays
   void meet_surfaces(bool from_camera) {
     if (recording) [[unlikely]]
-      for (int i = 0; i < count; ++i) recording->push_back({ray[i], false});
-    if (from_camera) {
-      tracer.rays.intersect_coherent(ray.data(), count, hit.data());
-    } else {
-      for (int i = 0; i < count; ++i) hit[i] = tracer.rays.intersect(ray[i]);
-    }
+      for (int i = 0; i < count; ++i) recording->push_back({ray.at(i), false});
+    tracer.rays.intersect(ray, count, from_camera, hit);
   }
 
-  bool blocked(const Ray& shadow) const {
+  // fills `blocked` for the first rays of `shadow`
+  void find_blocked(int num_shadows, bool coherent) {
     if (recording) [[unlikely]]
-      recording->push_back({shadow, true});
-    return tracer.rays.occluded(shadow);
+      for (int k = 0; k < num_shadows; ++k) recording->push_back({shadow.at(k), true});
+    tracer.rays.occluded(shadow, num_shadows, coherent, blocked);
   }
 
   // --- light that a ray itself meets
   // A rectangle in front of the surface, or the sky behind everything. False: nothing more to follow. Rectangles hide
   // what is behind them from the camera only: shadow rays pass through them, too.
-  bool add_emission(int i, bool from_camera) {
-    if (!tracer.lights.empty()) {
-      const float free_path = hit[i].found() ? hit[i].distance : ray[i].max_distance;
-      const auto met = tracer.lights.meet(ray[i].origin, ray[i].direction, free_path, from_camera);
-      if (met.light >= 0) add_rectangle(i, met, from_camera);
-      if (met.light >= 0 && from_camera) return false;
+  void add_emissions(bool from_camera) {
+    const bool has_lights = !tracer.lights.empty();
+    if (has_lights) {
+      RayRows& free = shadow;  // as far as the next surface
+      for (int i = 0; i < count; ++i) free.copy(i, i, ray);
+      for (int i = 0; i < count; ++i) free.max_distance[i] = hit.found(i) ? hit.distance[i] : ray.max_distance[i];
+      tracer.lights.meet(free, count, from_camera, met);
     }
-    if (hit[i].found()) return true;
-    Vector3f& radiance = results[slot[i]].radiance;
-    if (from_camera) {
-      radiance += tracer.backdrop ? *tracer.backdrop : tracer.sky.radiance(ray[i].direction);
-    } else {
-      radiance += throughput[i].cwiseProduct(sky_seen(i));
-    }
-    return false;
+    keep([&](int i) {
+      const bool meets_light = has_lights && met.light[i] >= 0;
+      if (meets_light) add_rectangle(i, from_camera);
+      if (meets_light && from_camera) return false;
+      if (hit.found(i)) return true;
+      add_sky(i, from_camera);
+      return false;
+    });
   }
 
-  void add_rectangle(int i, const RectangleLights::Met& met, bool from_camera) {
-    float weight = 1;
-    if (!from_camera) {
-      weight = strategy_weight(density[i], tracer.lights.density(met, ray[i].origin, ray[i].direction));
+  void add_sky(int i, bool from_camera) {
+    Vector3f& radiance = results[slot[i]].radiance;
+    if (from_camera) {
+      radiance += tracer.backdrop ? *tracer.backdrop : tracer.sky.radiance(ray.direction.vector(i));
+    } else {
+      radiance += throughput.vector(i).cwiseProduct(sky_seen(i));
     }
-    results[slot[i]].radiance += weight * throughput[i].cwiseProduct(tracer.lights.radiance(met.light));
+  }
+
+  void add_rectangle(int i, bool from_camera) {
+    float share = 1;
+    const RectangleLights::Met here{.light = met.light[i], .distance = met.distance[i]};
+    if (!from_camera)
+      share = strategy_weight(density[i], tracer.lights.density(here, ray.origin.vector(i), ray.direction.vector(i)));
+    results[slot[i]].radiance += share * throughput.vector(i).cwiseProduct(tracer.lights.radiance(here.light));
   }
 
   Vector3f sky_seen(int i) const {
-    Vector3f radiance = tracer.sky.radiance(ray[i].direction);
+    const Vector3f towards = ray.direction.vector(i), radiance = tracer.sky.radiance(towards);
     if (!tracer.sky.is_aimed()) return radiance;
-    return strategy_weight(density[i], tracer.sky.density(ray[i].direction)) * radiance;
+    return strategy_weight(density[i], tracer.sky.density(towards)) * radiance;
   }
 
   // after the last bounce only light counts, so whether anything is in the way is enough to know
   void add_last_emission() {
-    for (int i = 0; i < count; ++i) {
-      const auto met = tracer.lights.meet(ray[i].origin, ray[i].direction, ray[i].max_distance, false);
-      if (met.light >= 0) {
-        Ray shadow = ray[i];
-        shadow.max_distance = met.distance;
-        if (!blocked(shadow)) add_rectangle(i, met, false);
+    if (!tracer.lights.empty()) {
+      tracer.lights.meet(ray, count, false, met);
+      int num_shadows = 0;
+      for (int i = 0; i < count; ++i) {
+        if (met.light[i] < 0) continue;
+        shadow.copy(num_shadows, i, ray);
+        shadow.max_distance[num_shadows] = met.distance[i];
+        shadow_of[num_shadows++] = i;
       }
-      const Vector3f sky = throughput[i].cwiseProduct(sky_seen(i));
-      if (sky.maxCoeff() > 0 && !blocked(ray[i])) results[slot[i]].radiance += sky;
+      find_blocked(num_shadows, false);
+      for (int k = 0; k < num_shadows; ++k)
+        if (!blocked[k]) add_rectangle(shadow_of[k], false);
     }
+    int num_shadows = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vector3f sky = throughput.vector(i).cwiseProduct(sky_seen(i));
+      if (!(sky.maxCoeff() > 0)) continue;
+      light_radiance.set(num_shadows, sky);
+      shadow.copy(num_shadows, i, ray);
+      shadow_of[num_shadows++] = i;
+    }
+    find_blocked(num_shadows, false);
+    for (int k = 0; k < num_shadows; ++k)
+      if (!blocked[k]) results[slot[shadow_of[k]]].radiance += light_radiance.vector(k);
   }
 
   // --- surfaces
   void prepare_surfaces(bool first) {
+    surface_points.find(tracer.rays.objects(), ray, hit, count, point);
     for (int i = 0; i < count; ++i) {
-      point[i] = tracer.rays.surface(hit[i], ray[i].direction);
-      frame.z.set(i, point[i].normal);
-      direction.set(i, Vector3f(-ray[i].direction));
-    }
-    for (int i = 0; i < count; ++i) {
-      const Direction n = frame.z.at(i);
+      const Direction n = point.normal.at(i);
+      frame.z.set(i, n);
       const float sign = std::copysign(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
       frame.x.set(i, Direction{1 + sign * n.x * n.x * a, sign * b, -sign * n.x});
       frame.y.set(i, Direction{b, sign + n.y * n.y * a, -n.y});
     }
     for (int i = 0; i < count; ++i) {
-      const Direction local = frame.to_local(i, direction.at(i));
+      const Direction local = frame.to_local(i, -ray.direction.at(i));
       surface.viewer.set(i, Direction{local.x, local.y, bsdf_core::larger(local.z, 1e-4f)});
     }
     look_up();
@@ -171,26 +203,24 @@ struct PathWave::Buffers {
                           .coat = look.coat[i],
                           .coat_alpha = look.coat_alpha[i]},
                          {.a = look.a[i], .b = look.b[i], .coat_a = look.coat_a[i], .coat_b = look.coat_b[i]},
-                         look.base.at(i), surface.viewer.at(i)));
+                         point.base_color.at(i), surface.viewer.at(i)));
     }
     if (!first) return;
     for (int i = 0; i < count; ++i) {
       PathResult& result = results[slot[i]];
       result.albedo = surface.albedo.vector(i);
-      result.normal = point[i].normal;
-      result.depth = hit[i].distance;
+      result.normal = point.normal.vector(i);
+      result.depth = hit.distance[i];
     }
   }
 
   void look_up() {
     for (int i = 0; i < count; ++i) {
-      const BsdfLook& l = tracer.looks[hit[i].object];
+      const BsdfLook& l = tracer.looks[hit.object[i]];
       const bsdf_core::LayerAlbedo layers = l.layers(surface.viewer.z[i]);
       look.alpha[i] = l.numbers.alpha, look.f0[i] = l.numbers.f0, look.f90[i] = l.numbers.f90;
       look.metallic[i] = l.numbers.metallic, look.coat[i] = l.numbers.coat, look.coat_alpha[i] = l.numbers.coat_alpha;
       look.a[i] = layers.a, look.b[i] = layers.b, look.coat_a[i] = layers.coat_a, look.coat_b[i] = layers.coat_b;
-      const Vector3f& base = point[i].base_color;
-      look.base.set(i, {base.x(), base.y(), base.z()});
     }
   }
 
@@ -203,34 +233,49 @@ struct PathWave::Buffers {
   }
 
   // --- lights that are looked for
-  void add_lights(int vertex_dimension) {
+  void add_lights(int vertex_dimension, bool first) {
     if (!tracer.lights.empty()) {
       draw(vertex_dimension + dim_light, u, v);
-      for (int i = 0; i < count; ++i)
-        light[i] = tracer.lights.sample(leave_surface(point[i], point[i].geometric_normal), {u[i], v[i]});
-      add_light_samples();
+      tracer.lights.sample(point.departure, u, v, count, light);
+      for (int i = 0; i < count; ++i) light_radiance.set(i, tracer.lights.radiance(light.light[i]));
+      add_light_samples(first);
     }
     if (tracer.sky.is_aimed()) {
       draw(vertex_dimension + dim_sky, u, v);
-      for (int i = 0; i < count; ++i) light[i] = tracer.sky.sample({u[i], v[i]});
-      add_light_samples();
+      for (int i = 0; i < count; ++i) {
+        const LightSample sample = tracer.sky.sample({u[i], v[i]});
+        light.direction.set(i, sample.direction);
+        light.distance[i] = sample.distance, light.density[i] = sample.density;
+        light_radiance.set(i, sample.radiance);
+      }
+      add_light_samples(first);
     }
   }
 
-  void add_light_samples() {
-    for (int i = 0; i < count; ++i) direction.set(i, light[i].direction);
-    for (int i = 0; i < count; ++i) direction.set(i, frame.to_local(i, direction.at(i)));
+  void add_light_samples(bool first) {
+    for (int i = 0; i < count; ++i) direction.set(i, frame.to_local(i, light.direction.at(i)));
     evaluate_directions();
     for (int i = 0; i < count; ++i) {
-      const LightSample& sample = light[i];
-      const Vector3f f = value.vector(i);
-      if (!(sample.density > 0) || !(sample.direction.dot(point[i].geometric_normal) > 0) || !(f.maxCoeff() > 0))
-        continue;
-      Ray shadow{.origin = leave_surface(point[i], sample.direction), .direction = sample.direction};
-      shadow.max_distance = sample.distance - 4 * point[i].offset;
-      if (blocked(shadow)) continue;
-      const float weight = strategy_weight(sample.density, value_density[i]) / sample.density;
-      results[slot[i]].radiance += weight * throughput[i].cwiseProduct(f).cwiseProduct(sample.radiance);
+      const bool above = dot(light.direction.at(i), point.geometric_normal.at(i)) > 0;
+      const bool is_seen = (value.r[i] > 0) | (value.g[i] > 0) | (value.b[i] > 0);
+      goes_on[i] = (light.density[i] > 0) & above & is_seen ? 1 : 0;
+      weight[i] = strategy_weight(light.density[i], value_density[i]) / light.density[i];
+    }
+    int num_shadows = 0;
+    for (int i = 0; i < count; ++i) {
+      if (!goes_on[i]) continue;
+      shadow.origin.set(num_shadows, point.departure.at(i));
+      shadow.direction.set(num_shadows, light.direction.at(i));
+      shadow.max_distance[num_shadows] = light.distance[i] - 4 * point.offset[i];
+      shadow.time[num_shadows] = ray.time[i];
+      shadow_of[num_shadows++] = i;
+    }
+    find_blocked(num_shadows, first);
+    for (int k = 0; k < num_shadows; ++k) {
+      if (blocked[k]) continue;
+      const int i = shadow_of[k];
+      results[slot[i]].radiance +=
+          weight[i] * throughput.vector(i).cwiseProduct(value.vector(i)).cwiseProduct(light_radiance.vector(i));
     }
   }
 
@@ -254,40 +299,42 @@ struct PathWave::Buffers {
     for (int i = 0; i < count; ++i) direction.set(i, frame.to_world(i, direction.at(i)));
     // paths that carry little are ended by chance, those that go on carry their share
     if (!first) draw(vertex_dimension + dim_roulette, u, v);
-    keep([&](int i) { return turn(i, first); });
+    turn(first);
+    keep([&](int i) { return goes_on[i] != 0; });
   }
 
-  bool turn(int i, bool first) {
-    const Vector3f towards = direction.vector(i);
-    if (!(value_density[i] > 0) || !(towards.dot(point[i].geometric_normal) > 0)) return false;
-    Vector3f next = throughput[i].cwiseProduct(value.vector(i)) / value_density[i];
-    const float most = next.maxCoeff();
-    if (!(most > 0)) return false;
-    if (!first && most < 1) {
-      const float chance = std::sqrt(most);
-      if (u[i] >= chance) return false;
-      next /= chance;
+  void turn(bool first) {
+    for (int i = 0; i < count; ++i) {
+      const bool outwards = dot(direction.at(i), point.geometric_normal.at(i)) > 0;
+      const float r = throughput.r[i] * value.r[i] / value_density[i],
+                  g = throughput.g[i] * value.g[i] / value_density[i],
+                  b = throughput.b[i] * value.b[i] / value_density[i];
+      const float most = bsdf_core::larger(bsdf_core::larger(r, g), b);
+      const bool by_chance = !first & (most < 1);
+      const float chance = by_chance ? std::sqrt(most) : 1.0f;
+      goes_on[i] = (value_density[i] > 0) & outwards & (most > 0) & !(by_chance & (u[i] >= chance)) ? 1 : 0;
+      throughput.set(i, {r / chance, g / chance, b / chance});
+      ray.origin.set(i, point.departure.at(i));
+      ray.direction.set(i, direction.at(i));
+      ray.max_distance[i] = std::numeric_limits<float>::infinity();
+      density[i] = value_density[i];
     }
-    throughput[i] = next;
-    ray[i] = {.origin = leave_surface(point[i], towards), .direction = towards};
-    density[i] = value_density[i];
-    return true;
   }
 
   // --- which paths go on
   template <class GoesOn>
-  void keep(const GoesOn& goes_on) {
+  void keep(const GoesOn& goes) {
     int kept = 0;
     for (int i = 0; i < count; ++i) {
-      if (!goes_on(i)) continue;
+      if (!goes(i)) continue;
       if (kept != i) {
         reversed_index[kept] = reversed_index[i];
         block_key[kept] = block_key[i];
         slot[kept] = slot[i];
-        ray[kept] = ray[i];
-        throughput[kept] = throughput[i];
+        ray.copy(kept, i, ray);
+        throughput.set(kept, throughput.at(i));
         density[kept] = density[i];
-        hit[kept] = hit[i];
+        hit.copy(kept, i);
       }
       ++kept;
     }
@@ -305,10 +352,10 @@ const PathResult* PathWave::trace(const std::vector<PathStart>& starts, std::vec
   for (int bounce = 0; bounce <= wave.tracer.bounces && wave.count > 0; ++bounce) {
     const bool first = bounce == 0;
     wave.meet_surfaces(first);
-    wave.keep([&](int i) { return wave.add_emission(i, first); });
+    wave.add_emissions(first);
     wave.prepare_surfaces(first);
     const int vertex_dimension = dims_of_camera + bounce * dims_of_vertex;
-    wave.add_lights(vertex_dimension);
+    wave.add_lights(vertex_dimension, first);
     wave.scatter(vertex_dimension, first);
   }
   wave.add_last_emission();

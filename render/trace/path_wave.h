@@ -19,15 +19,17 @@ struct PathTracer {
   RectangleLights lights;
   SkyLight sky;
   std::optional<Vector3f> backdrop;
-  CameraView camera;
+  std::vector<CameraView> cameras;  // at even times from the shutter's opening to its closing; one: it stands still
+  bool has_shutter = false;         // whether anything moves
   SampleSequence sequence;
   PixelFilter filter;
   int bounces;
 };
 
-/// One path to be traced: a pixel of the whole picture and the number of its sample.
+/// One path to be traced: a pixel of the whole picture and the number of its sample. Samples of one stream are spread
+/// well together; streams know nothing of each other.
 struct PathStart {
-  int x = 0, y = 0, sample = 0;
+  int x = 0, y = 0, sample = 0, stream = 0;
 };
 
 /// What one path brings back.
@@ -40,7 +42,7 @@ struct PathResult {
 /// others. One per thread: it owns its buffers.
 class PathWave {
  public:
-  static constexpr int max_paths = 128;
+  static constexpr int max_paths = rows::capacity;
 
   explicit PathWave(const PathTracer& tracer);
   ~PathWave();

@@ -5,21 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "render/scene/ray.h"
-#include "render/scene/render_scene.h"
+#include "render/trace/surface_points.h"
 
 namespace umax {
-
-/// What shading needs to know of a point on a surface.
-struct SurfacePoint {
-  Vector3f position;          // [m] on the triangle
-  Vector3f geometric_normal;  // unit, on the side that the ray came from
-  Vector3f normal;            // unit, interpolated where the mesh has normals, on the same side
-  Vector3f smooth_position;   // [m] on the curved surface that the normals mean, outside the triangle or on it: shadow
-                              // rays start there, or coarse meshes get dark steps [Hanika 2021]
-  float offset = 0;           // [m] bound on the error of position
-  Vector3f base_color;        // of the look, its texture or the mesh's colours
-};
 
 /// One ray as it was traced, for measuring what tracing alone costs.
 struct RecordedRay {
@@ -33,20 +21,28 @@ struct ReplayResult {
   double seconds = 0;
 };
 
+enum class HierarchyBuild {
+  good,  // for pictures of many paths
+  fast,  // three times as fast to build, rays take a little longer
+};
+
 class RayScene {
  public:
   /// Copies what it needs and builds the hierarchy on all threads. Throws Error 65 for indices out of range and
   /// positions that are not finite.
-  explicit RayScene(const RenderScene& scene);
+  explicit RayScene(const RenderScene& scene, HierarchyBuild build = HierarchyBuild::good);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
   Hit intersect(const Ray& ray) const;
-  /// The same for rays that lie close together, faster.
-  void intersect_coherent(const Ray* rays, int count, Hit* hits) const;
   bool occluded(const Ray& ray) const;
-  SurfacePoint surface(const Hit& hit, const Vector3f& ray_direction) const;
+  /// The first `count` rays at once. coherent: they lie close together, which is faster where it is true.
+  void intersect(const rows::RayRows& rays, int count, bool coherent, rows::HitRows& hits) const;
+  /// blocked[i]: 1 where something lies before the ray's largest distance, else 0.
+  void occluded(const rows::RayRows& rays, int count, bool coherent, rows::RowOf<int>& blocked) const;
+  const std::vector<TracedObject>& objects() const;
+  SurfacePoint surface(const Hit& hit, const Vector3f& ray_direction, float time = 0) const;
 
   /// Traces a recording again with bare library calls, tiles in parallel.
   ReplayResult replay(const RayRecording& recording) const;

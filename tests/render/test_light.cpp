@@ -40,6 +40,41 @@ double irradiance(const RectangleLights& lights, const Vector3f& from) {
 
 }  // namespace
 
+TEST_CASE("rectangles are sampled and met the same alone and many at once, to the last bit") {
+  // near and far ones, some with their dark side to the point
+  const RectangleLights lights(
+      {{.corner = {-1, 2, -1}, .edge_u = {2, 0, 0}, .edge_v = {0, 0, 2}, .radiance = {5, 5, 5}},
+       {.corner = {4, 6, 1}, .edge_u = {0, -1, 1}, .edge_v = {-1, 0, 0.3f}, .radiance = {9, 9, 9}},
+       {.corner = {-3, 0, 0}, .edge_u = {0, 0, 1}, .edge_v = {0, 1, 0}, .radiance = {2, 1, 3}}});
+  const SampleSequence sequence(128, 4);
+  rows::DirectionRows from;
+  rows::Row u, v;
+  rows::RayRows rays;
+  for (int i = 0; i < 128; ++i) {
+    const Vector2f a = sequence.point(unsigned(i), 0, 0), b = sequence.point(unsigned(i), 1, 0);
+    from.set(i, Vector3f(6 * a.x() - 3, 3 * a.y(), 4 * b.x() - 2));
+    u[i] = sequence.point(unsigned(i), 2, 0).x(), v[i] = sequence.point(unsigned(i), 2, 0).y();
+    const Vector3f up = cosine_hemisphere(b);
+    rays.set(i, {.origin = from.vector(i), .direction = Vector3f(up.x(), up.z(), up.y()).normalized()});
+  }
+  LightRows samples;
+  LightMetRows met;
+  lights.sample(from, u, v, 128, samples);
+  lights.meet(rays, 128, false, met);
+  int num_met = 0;
+  for (int i = 0; i < 128; ++i) {
+    const LightSample alone = lights.sample(from.vector(i), {u[i], v[i]});
+    CHECK(alone.density == samples.density[i]);
+    if (alone.density > 0) CHECK(alone.direction == samples.direction.vector(i));
+    if (alone.density > 0) CHECK(alone.distance == samples.distance[i]);
+    const auto met_alone = lights.meet(rays.origin.vector(i), rays.direction.vector(i), rays.max_distance[i], false);
+    CHECK(met_alone.light == met.light[i]);
+    if (met_alone.light >= 0) CHECK(met_alone.distance == met.distance[i]);
+    num_met += met.light[i] >= 0;
+  }
+  CHECK(num_met > 5);
+}
+
 TEST_CASE("a rectangle lights a patch as its form factor says, near and far") {
   const float height = GENERATE(0.05f, 0.5f, 3.0f, 40.0f);
   // edge_u x edge_v = (x, 0, 0) x (0, 0, z) points down

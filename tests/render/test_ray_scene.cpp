@@ -1,6 +1,7 @@
 #include "render/trace/ray_scene.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "core/base/error.h"
@@ -83,6 +84,43 @@ TEST_CASE("rays meet what a loop over all triangles meets") {
     CHECK_FALSE(rays.occluded(ray));
   }
   CHECK(num_hits > 300);
+  CHECK(num_different <= 2);
+}
+
+TEST_CASE("rays that are traced together meet what they meet alone") {
+  RenderScene scene;
+  scene.objects.push_back(render_object(floor_square(20, -3)));
+  for (int k = 0; k < 10; ++k)  // more objects than there are boxes
+    scene.objects.push_back(render_object(moved(random_triangles(20), {0.3 * k, 0.1 * k, 0}, 0.6)));
+  const RayScene scene_rays(scene);
+  const SampleSequence sequence(2048, 6);
+  int num_hits = 0, num_misses = 0, num_different = 0;
+  for (unsigned start = 0; start < 2000; start += 100) {
+    rows::RayRows rays;
+    for (int i = 0; i < 100; ++i) {
+      const unsigned s = start + unsigned(i);
+      const float reach = s % 3 == 0 ? 2.5f : std::numeric_limits<float>::infinity();
+      rays.set(i, {5 * direction_from(sequence.point(s, 0, 0)), direction_from(sequence.point(s, 1, 0)), reach});
+    }
+    rows::HitRows alone, together;
+    rows::RowOf<int> blocked, blocked_together;
+    scene_rays.intersect(rays, 100, false, alone);
+    scene_rays.intersect(rays, 100, true, together);
+    scene_rays.occluded(rays, 100, false, blocked);
+    scene_rays.occluded(rays, 100, true, blocked_together);
+    for (int i = 0; i < 100; ++i) {
+      const Hit hit = scene_rays.intersect(rays.at(i));
+      num_hits += hit.found();
+      num_misses += !hit.found();
+      CHECK(alone.found(i) == hit.found());
+      if (hit.found()) CHECK(alone.at(i).distance == hit.distance);
+      CHECK(blocked[i] == (scene_rays.occluded(rays.at(i)) ? 1 : 0));
+      num_different += together.found(i) != hit.found() || (hit.found() && together.triangle[i] != hit.triangle) ||
+                       blocked_together[i] != blocked[i];  // grazing an edge within rounding
+    }
+  }
+  CHECK(num_hits > 500);
+  CHECK(num_misses > 500);
   CHECK(num_different <= 2);
 }
 

@@ -1,0 +1,47 @@
+// An object in the form that rays are traced against and surfaces are looked up in.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/scene/ray.h"
+#include "render/scene/render_scene.h"
+
+namespace umax {
+
+struct TracedObject {
+  // a vertex in half a cache line; the ray library reads the position in place
+  struct alignas(32) Vertex {
+    float position[3], unused = 0;
+    float normal[3], unused2 = 0;
+  };
+  struct Corners {
+    unsigned index[3];
+  };
+  // a vertex's place among the instants
+  struct Instant {
+    std::size_t before = 0, after = 0;  // where their vertices start
+    float share = 0;                    // of the one after
+  };
+
+  std::vector<Vertex> vertices;  // of all instants, one after the other
+  std::size_t num_vertices = 0;  // of one
+  int num_instants = 1;
+  float first = 0, last = 1;  // times of the first and the last instant
+  std::vector<Corners> triangles;
+  std::vector<Vector3f> colors;               // per vertex, or empty
+  std::vector<Vector2f> texture_coordinates;  // per triangle corner, or empty
+  std::vector<int> paint;                     // per triangle, or empty: the first
+  std::vector<Paint> paints;
+  bool has_normals = false;
+
+  bool is_moving() const { return num_instants > 1; }
+  Instant at(float time) const;
+  /// The colour of the triangle's paint, by texture or vertices where it has them; first_share: barycentric weight of the first corner.
+  Vector3f color_at(unsigned triangle, float first_share, float u, float v) const;
+};
+
+/// Throws Error 65 for indices out of range, positions that are not finite, and instants of another number of vertices.
+TracedObject make_traced_object(const RenderObject& object);
+
+}  // namespace umax
