@@ -145,10 +145,21 @@ SceneSection render_section() {
       [size](const RenderDescription& render) { return std::optional(size.write({render.width, render.height})); });
   keys.add("samples", IntegerKind{.low = 1, .high = 1 << 20}, UMAX_FIELD(samples),
            "paths a pixel (embree): more is less noise; below 16, osmesa draws fewer shadow maps");
+  keys.add(
+      "noise", NumberKind{units::ratio, {.low = 0, .high = 1}}, UMAX_FIELD(noise),
+      "standard error of a pixel's brightness, as shown, over its value, that is enough before denoising: samples are "
+      "then the most; 0: all are taken (embree)");
   keys.add("bounces", IntegerKind{.low = 0, .high = 1000}, UMAX_FIELD(bounces),
            "reflections of a path, at most (embree)");
   keys.add("denoise", FlagKind(), UMAX_FIELD(denoise), "feature-guided filter (embree)");
+  keys.add("preview", FlagKind(), UMAX_FIELD(preview),
+           "as fast as it goes, for a look at the motion: two paths a pixel and one bounce at most, a small filter "
+           "(embree)");
   keys.add("seed", IntegerKind{.low = 0}, UMAX_FIELD(seed), "of the noise (embree)");
+  keys.add("shutter", NumberKind{units::ratio, {.low = 0, .high = 2}}, UMAX_FIELD(shutter),
+           "frames that it stays open: what moves meanwhile is blurred, 0.5 as in film; heat maps never are (embree)");
+  keys.add("shutter_position", NumberKind{units::ratio, {.low = 0, .high = 1}}, UMAX_FIELD(shutter_position),
+           "where the frame's own time lies while it is open: 0 at the start, 1 at the end");
   keys.add("heatmap",
            ChoiceKind<Heatmap>{{{"none", Heatmap::none},
                                 {"energy", Heatmap::energy},

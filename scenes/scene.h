@@ -147,15 +147,19 @@ enum class Heatmap {
 struct RenderDescription {
   RenderEngine engine = RenderEngine::embree;
   int width = 1280, height = 720;  // [px]
-  int samples = 64;                // paths a pixel (embree)
+  int samples = 64;                // paths a pixel (embree), at most where noise is given
+  double noise = 0;                // [-] standard error that is enough (embree); 0: all samples are taken
   int bounces = 4;
-  bool denoise = true;  // feature-guided filter (embree)
+  bool denoise = true;   // feature-guided filter (embree)
+  bool preview = false;  // as fast as it goes (embree): few paths and bounces, a small filter
   unsigned seed = 1;
   Heatmap heatmap = Heatmap::none;
   std::optional<double> heatmap_top;  // where the bar of multiplier and stretch ends, in its unit; unset: chosen
   bool wireframe = false;             // cage over the picture (osmesa)
   bool exr = false;                   // NNNN.exr beside NNNN.png
   Sky sky = GradientSky{};
+  double shutter = 0;              // [frames] that it stays open (embree); 0: nothing blurs
+  double shutter_position = 0.5;   // [-] of the frame's own time while it is open: 0 at the start, 1 at the end
   std::filesystem::path sky_path;  // HDR or EXR for an EnvironmentMap
   std::optional<Vector3f> backdrop;
   double exposure_stops = 0;

@@ -1,4 +1,6 @@
 // From a scene to pictures and a clip, by the built program.
+#include "render/image/flip.h"
+#include "render/image/image_io.h"
 #include "tests/support/catch.h"
 #include "tests/tools/error_code_of.h"
 #include "tests/tools/program.h"
@@ -49,6 +51,22 @@ TEST_CASE("rendering again and with other threads gives the same pictures and cl
   fs::remove(run / "frames/0003.png");
   REQUIRE(exit_code_of({"render", run.string(), "--resume"}) == 0);
   CHECK(pictures_of(run) == before);
+}
+
+TEST_CASE("a preview has the light and the shadows of the picture") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run", quick = folder / "quick";
+  const Words large{"--set", "render.size=[320, 180]", "--set", "render.samples=64", "--set", "render.denoise=true"};
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string(), "--frames", "8"} + large) == 0);
+  REQUIRE(exit_code_of(Words{"render", run.string(), "-o", quick.string(), "--frames", "8", "--quick"} + large) == 0);
+  CHECK(file_text(quick / "scene.toml").find("preview = true") != std::string::npos);
+  const Image8 picture = read_png8(run / "frames/0008.png"), preview = read_png8(quick / "frames/0008.png");
+  CHECK(preview.values != picture.values);
+  CHECK(flip(picture, preview).mean < 0.1);
+  // who says how many samples gets them
+  REQUIRE(exit_code_of({"render", run.string(), "-o", (folder / "eight").string(), "--frames", "8", "--quick",
+                        "--samples", "8"}) == 0);
+  CHECK(file_text(folder / "eight/scene.toml").find("preview = true") == std::string::npos);
 }
 
 TEST_CASE("compare tells equal pictures from different ones") {

@@ -96,8 +96,7 @@ TEST_CASE("a preview changes what is costly, and nothing that the user speaks of
       keys.push_back(setting.key + "=" + setting.value);
     return keys;
   };
-  CHECK(keys_of({}) ==
-        Words{"render.engine=osmesa", "render.size=[320, 180]", "render.samples=2", "body.figure.cage.cells=400"});
+  CHECK(keys_of({}) == Words{"render.preview=true", "render.size=[320, 180]", "body.figure.cage.cells=400"});
   CHECK(keys_of({"render.engine", "render.size", "body.figure.cage.cells"}).empty());
   // a limit per hex means something else on another cage
   const Scene by_hex = load_scene("figure", {{"body.figure.cage.cells", "5000"}, {"body.figure.limit.energy", "1 J"}});

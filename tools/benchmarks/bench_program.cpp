@@ -15,6 +15,7 @@
 #include "tools/benchmarks/measured_command.h"
 #include "tools/benchmarks/scratch_folder.h"
 #include "tools/reproduce/experiments.h"
+#include "tools/run/run_record.h"
 #include "tools/run/steps_csv.h"
 
 namespace umax {
@@ -42,6 +43,68 @@ BenchRows noise() {
   const Image8 few = read_png8(scratch.path / "few/frames/0060.png");
   const Image8 many = read_png8(scratch.path / "many/frames/0060.png");
   return {at_most("demo's frame 60 against 1024 samples: mean FLIP", flip(many, few).mean, 0.08, "")};
+}
+
+// seconds that rendering some frames of a run took, set-up and clip aside
+double render_seconds(const std::filesystem::path& run, const std::string& frames, std::vector<std::string> settings) {
+  const ScratchFolder scratch;
+  std::vector<std::string> command{program(), "render", run, "--frames", frames, "-o", scratch.path / "pictures",
+                                   "--quiet"};
+  for (std::string& setting : settings) command.insert(command.end(), {"--set", std::move(setting)});
+  measure_command(command);
+  const auto record = read_run_record(scratch.path / "pictures/run.json");
+  if (!record) throw std::runtime_error("the pictures have no record");
+  return record->render_seconds;
+}
+
+// in turns, so that both meet the same machine
+BenchRows blur() {
+  const ScratchFolder scratch;
+  const std::filesystem::path run = scratch.path / "demo";
+  measure_command({program(), "simulate", "figure", "-o", run, "--quiet"});
+  double sharp = 0, blurred = 0;
+  for (int turn = 0; turn < 3; ++turn) {
+    sharp += render_seconds(run, "15-135x20", {});
+    blurred += render_seconds(run, "15-135x20", {"render.shutter=0.5"});
+  }
+  return {at_most("motion blur's cost in the demo, shutter 0.5, 7 frames", blurred / sharp, 1.3, "x",
+                  fmt::format("{:.2f} s a frame against {:.2f} s", blurred / 21, sharp / 21))};
+}
+
+// what more samples cost: without set-up, hierarchy and files
+BenchRows paths() {
+  const ScratchFolder scratch;
+  const std::filesystem::path run = scratch.path / "demo";
+  measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
+  const auto seconds = [&](int samples) {
+    return render_seconds(run, "60", {"render.denoise=false", fmt::format("render.samples={}", samples)});
+  };
+  double least = 1e9;
+  for (int turn = 0; turn < 3; ++turn) least = std::min(least, seconds(80) - seconds(16));
+  return {{"demo's frame 60: time of a path, all cores", fmt::format("{:.0f} ns", least / (64.0 * 640 * 360) * 1e9), "",
+           true}};
+}
+
+// the noise that is asked for, and what it saves against the same number of samples everywhere
+BenchRows adaptive() {
+  const ScratchFolder scratch;
+  const std::filesystem::path run = scratch.path / "demo";
+  measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
+  const double all = render_seconds(run, "60", {"render.samples=256"});
+  const double enough = render_seconds(run, "60", {"render.samples=256", "render.noise=0.02"});
+  return {{"demo's frame 60, at most 256 samples: seconds to a noise of 0.02",
+           fmt::format("{:.2f} s of {:.2f} s", enough, all), "", true}};
+}
+
+// frames that follow each other, as a user looks at them
+BenchRows previews() {
+  const ScratchFolder scratch;
+  const std::filesystem::path run = scratch.path / "demo";
+  measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
+  const double small = render_seconds(run, "21-60", {"render.preview=true"}) / 40;
+  const double large = render_seconds(run, "21-60", {"render.preview=true", "render.size=[1280, 720]"}) / 40;
+  return {at_most("preview frame of the figure, 640x360", small, 0.1, "s"),
+          at_most("preview frame of the figure, 1280x720", large, 0.4, "s")};
 }
 
 BenchRows armadillo_memory() {
@@ -208,6 +271,10 @@ std::vector<Benchmark> program_benchmarks() {
       {"figures-100", true, false, hundred_figures},
       {"demo", false, false, demo},
       {"noise", true, false, noise},
+      {"paths", true, false, paths},
+      {"blur", true, false, blur},
+      {"adaptive", true, false, adaptive},
+      {"preview", true, false, previews},
       {"tune", false, false, tuning},
       {"reproduce-quick", false, false, quick_report},
       {"reproduce", true, false, whole_report},

@@ -38,6 +38,7 @@ std::vector<Override> scene_overrides(const Options& options) {
   if (options.quick) {
     overrides.push_back({"render.size", "[320, 180]"});
     overrides.push_back({"render.samples", "4"});
+    overrides.push_back({"render.preview", options.samples ? "false" : "true"});
   }
   if (options.allow_overlap) overrides.push_back({"clip.allow_overlap", "true"});
   for (const std::string& setting : options.settings) overrides.push_back(parse_override(setting));

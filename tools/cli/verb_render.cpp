@@ -5,6 +5,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
 #include "tools/cli/verb.h"
+#include "tools/pictures/exposure.h"
 #include "tools/run/run_folder.h"
 
 namespace umax {
@@ -36,7 +37,7 @@ int render_run(const Options& options) {
   Job job;
   job.scene = scene_of_run(run, scene_overrides(options));
   job.simulate = false;
-  job.default_frames = std::min(count_states(run), job.scene.clip.frames);
+  job.default_frames = last_frame_with(job.scene.render, count_states(run), job.scene.clip.frames);
   if (*job.default_frames == 0)
     throw Error(Fault::not_found, {.where = (run / "states").string(),
                                    .what = "there are no states",

@@ -55,7 +55,7 @@ Verb tune_verb() {
               "and memory allow, and writes DIR/tune.html, a page with all variants in step under one scrubber, their "
               "plots and values, and lines to copy into the scene; DIR/sheet.png, the moment at which they are "
               "stretched most; and DIR/variants.mp4. Each variant is a run of its own in DIR/runs. The page opens from "
-              "the disk in any browser.\n\nWithout --final it is a preview: small rasterised pictures, cages of 400 "
+              "the disk in any browser.\n\nWithout --final it is a preview: small pictures of few paths, cages of 400 "
               "hexes at most; what it changes is said, and never what you set or vary. A variant that fails does not "
               "end the others; the exit code is then its own. With --resume only what is missing is made. --presets "
               "compares all materials (umax presets), without a SCENE on the scene materials. The plots need "

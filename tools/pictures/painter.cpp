@@ -21,24 +21,36 @@ struct Painter::Engine {
 
 namespace {
 
-/// Colour first, then what a compositor wants; nothing when a signal asks us to stop.
-std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription& render) {
+// of a preview
+constexpr int preview_samples = 2, preview_bounces = 1, preview_radius = 2;
+
+PathTraceOptions trace_options(const RenderDescription& render) {
   PathTraceOptions options;
   options.width = render.width;
   options.height = render.height;
-  options.samples = render.samples;
-  options.bounces = render.bounces;
+  options.samples = render.preview ? std::min(render.samples, preview_samples) : render.samples;
+  options.noise = render.preview ? 0 : render.noise;
+  options.bounces = render.preview ? std::min(render.bounces, preview_bounces) : render.bounces;
   options.seed = render.seed;
   options.stop = &stop_flag();
-  TracedImage traced = path_trace(shot, options);
+  return options;
+}
+
+/// Colour first, then what a compositor wants; nothing when a signal asks us to stop.
+std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription& render) {
+  const RayScene rays(shot, render.preview ? HierarchyBuild::fast : HierarchyBuild::good);
+  TracedImage traced = path_trace(rays, shot, trace_options(render));
   std::vector<Layer> layers;
   if (stop_flag()) return layers;
-  if (render.denoise) traced.color = denoise(traced);
+  DenoiseOptions filter;
+  if (render.preview) filter.radius = preview_radius;
+  if (render.denoise) traced.color = denoise(traced, filter);
   layers.push_back({"", std::move(traced.color)});
   layers.push_back({"Albedo", std::move(traced.albedo)});
   layers.push_back({"N", std::move(traced.normal)});
   layers.push_back({"Z", std::move(traced.depth)});
   layers.push_back({"variance", std::move(traced.variance)});
+  if (render.noise > 0) layers.push_back({"samples", std::move(traced.samples)});
   return layers;
 }
 

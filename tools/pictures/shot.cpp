@@ -22,13 +22,6 @@ Sky read_sky(const RenderDescription& render) {
   return render.sky;
 }
 
-TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
-  TriangleMesh out = mesh;
-  out.positions = (mesh.positions * pose.rotation.transpose()).rowwise() + pose.translation.transpose();
-  if (mesh.normals.rows() > 0) out.normals = mesh.normals * pose.rotation.transpose();
-  return out;
-}
-
 /// The hexes' values at a body's vertices: of the hex that holds it, unsmoothed, so that a limit that is reached looks
 /// like one; of a vertex that is a node, the largest of its hexes.
 VectorXd values_at_vertices(const BodySetup& body, const VectorXd& heat) {
@@ -83,13 +76,26 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
     const ObstacleDescription& description = simulation.scene.obstacles[i];
     if (!description.visible) continue;
     const Pose pose = pose_at(simulation.model.obstacles[i], time);
-    const TriangleMesh& shape = simulation.obstacles[i].mesh ? *simulation.obstacles[i].mesh : *stage.ground;
     shot.objects.push_back(
-        {description.name, std::make_shared<const TriangleMesh>(moved(shape, pose)), description.look});
+        {.name = description.name,
+         .mesh = std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), pose)),
+         .look = description.look});
   }
 }
 
 }  // namespace
+
+TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
+  TriangleMesh out = mesh;
+  out.positions = (mesh.positions * pose.rotation.transpose()).rowwise() + pose.translation.transpose();
+  if (mesh.normals.rows() > 0) out.normals = mesh.normals * pose.rotation.transpose();
+  return out;
+}
+
+const TriangleMesh& obstacle_surface(const Simulation& simulation, const Stage& stage, std::size_t obstacle) {
+  const auto& mesh = simulation.obstacles[obstacle].mesh;
+  return mesh ? *mesh : *stage.ground;
+}
 
 AreaLight area_light(const LightDescription& description) {
   const Vector3d forward = (description.target - description.position).normalized();

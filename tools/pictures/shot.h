@@ -37,6 +37,12 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
 RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera,
                       const VectorXd& values);
 
+/// The surface of an obstacle in its own frame [m].
+const TriangleMesh& obstacle_surface(const Simulation& simulation, const Stage& stage, std::size_t obstacle);
+
+/// A mesh in another place.
+TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose);
+
 /// The rectangle that a scene's light is.
 AreaLight area_light(const LightDescription& light);
 

@@ -12,6 +12,7 @@
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
+#include "tools/pictures/exposure.h"
 #include "tools/run/clip.h"
 #include "tools/run/export_run.h"
 #include "tools/run/frame_list.h"
@@ -69,10 +70,15 @@ class RecordKeeper {
 };
 
 /// Time steps up to a frame that the folder does not have yet.
-long long steps_left(const Job& job, int last_frame) {
+long long steps_left(const Job& job, int last_state) {
   if (!job.simulate) return 0;
   const int found = job.existing == ExistingFolder::keep ? count_states(job.folder) : 0;
-  return std::max(0LL, (last_frame - std::max(1LL, (long long)(found))) * job.scene.clip.substeps);
+  return std::max(0LL, (last_state - std::max(1LL, (long long)(found))) * job.scene.clip.substeps);
+}
+
+/// The last state that these frames need: that of a neighbour, where they are blurred.
+int last_state_of(const Job& job, const std::vector<int>& frames) {
+  return exposure_of(job.scene.render, frames.back(), job.scene.clip.frames).last_state();
 }
 
 /// Refuses what does not fit into the memory, and says what a large job will take.
@@ -118,8 +124,9 @@ struct JobInHand {
 /// Simulates; returns the signal that stopped it, or 0.
 int simulate_stage(const JobInHand& hand) {
   const auto start = std::chrono::steady_clock::now();
-  const SimulateOptions options{
-      .last_frame = hand.frames.back(), .strict = hand.options.strict, .verbose = hand.options.verbose};
+  const SimulateOptions options{.last_frame = last_state_of(hand.job, hand.frames),
+                                .strict = hand.options.strict,
+                                .verbose = hand.options.verbose};
   const SimulateResult result = simulate_and_plot(hand.simulation, hand.folder, options, hand.progress);
   RunRecord& record = hand.keeper.record();
   record.simulate_seconds += seconds_since(start);
@@ -140,6 +147,15 @@ int export_stage(const JobInHand& hand) {
   return 0;
 }
 
+/// A clip that was longer or shorter when its pictures were made cut off their blur in another place: those go.
+void remove_pictures_of_other_length(const JobInHand& hand, int frames_then) {
+  const Scene& scene = hand.job.scene;
+  if (frames_then == 0) return;
+  const auto window = [&](int frame, int last) { return exposure_of(scene.render, frame, last); };
+  for (int frame = 1; frame <= std::max(frames_then, scene.clip.frames); ++frame)
+    if (window(frame, frames_then) != window(frame, scene.clip.frames)) hand.folder.remove_picture(frame);
+}
+
 /// Renders and encodes; returns the signal that stopped it, or 0.
 int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   const Scene& scene = hand.job.scene;
@@ -149,7 +165,9 @@ int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
     hand.progress.note("the pictures that are there were made with other settings: they are made anew");
     hand.folder.remove_pictures();
   }
+  if (!is_stale) remove_pictures_of_other_length(hand, record.pictures_frames);
   record.pictures_sha256 = pictures.digest;
+  record.pictures_frames = scene.clip.frames;
   hand.keeper.write();
 
   auto start = std::chrono::steady_clock::now();
@@ -207,7 +225,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const std::vector<int> frames =
       options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
   check_before_start(job, frames);
-  const long long steps = steps_left(job, frames.back());
+  const long long steps = steps_left(job, last_state_of(job, frames));
   const long long memory = options.memory ? *options.memory : available_memory();
   // before cages are made that no memory holds, and before they are filled
   const CageWatch watch = [&](const std::vector<BodySetup>& caged) {

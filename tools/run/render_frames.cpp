@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 
 #include "core/base/error.h"
 #include "core/files/sha256.h"
 #include "scenes/resolved_scene.h"
+#include "tools/pictures/motion_blur.h"
 #include "tools/pictures/painter.h"
 #include "tools/run/clip.h"
 #include "tools/run/frame_list.h"
@@ -63,11 +65,34 @@ std::string legend_text(const Stage& stage) {
   return fmt::format("heat to {} {} {} ", legend.high, legend.ends_at_limit, legend.slack);
 }
 
+void require_exposed_states(const Simulation& simulation, const std::filesystem::path& run, const std::vector<int>& frames) {
+  for (const int frame : frames) {
+    const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
+    for (int needed = exposure.first_state(); needed <= exposure.last_state(); ++needed) {
+      if (std::error_code error; std::filesystem::exists(state_path(run, needed), error)) continue;
+      throw Error(Fault::not_found,
+                  {.where = state_path(run, needed).string(),
+                   .what = needed == frame ? "there is no state of this frame"
+                                           : fmt::format("frame {} needs this state for its blur", frame),
+                   .remedy = "simulate it first, or name other frames with --frames"});
+    }
+  }
+}
+
+/// The states of an exposure.
+std::vector<State> read_states(const Simulation& simulation, const std::filesystem::path& run,
+                               const Exposure& exposure) {
+  std::vector<State> states;
+  for (int frame = exposure.first_state(); frame <= exposure.last_state(); ++frame)
+    states.push_back(read_state(state_path(run, frame), simulation.model, simulation.digest));
+  return states;
+}
+
 }  // namespace
 
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames) {
-  require_states(run, frames);
+  require_exposed_states(simulation, run, frames);
   const Motion motion = motion_of(simulation, run);
   const RenderDescription& render = simulation.scene.render;
   const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
@@ -76,8 +101,11 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   pictures.digest = picture_digest(simulation, "run " + camera_text(camera) + legend_text(*stage));
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, run, camera, stage](int frame) {
-    return make_shot(simulation, *stage, read_state(state_path(run, frame), simulation.model, simulation.digest),
-                     camera);
+    const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
+    const std::vector<State> states = read_states(simulation, run, exposure);
+    RenderScene shot = make_shot(simulation, *stage, states[std::size_t(frame - exposure.first_state())], camera);
+    add_motion(simulation, *stage, states, exposure, frame, shot);
+    return shot;
   };
   return pictures;
 }
@@ -99,9 +127,14 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
       simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()) + legend_text(*stage));
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, state, box, stage](int frame) {
-    const double turn = double(frame - 1) / simulation.last_frame();
-    return make_shot(simulation, *stage, state,
-                     turntable_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render), turn));
+    const auto camera_at = [&](double place) {
+      const double turns = (place - 1) / simulation.last_frame();
+      return turntable_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render),
+                              turns - std::floor(turns));
+    };
+    RenderScene shot = make_shot(simulation, *stage, state, camera_at(frame));
+    add_camera_motion(endless_exposure(simulation.scene.render, frame), camera_at, shot);
+    return shot;
   };
   return pictures;
 }

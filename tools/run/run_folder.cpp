@@ -85,6 +85,11 @@ fs::path RunFolder::picture(int frame, const std::string& extension) const {
   return frames() / (frame_name(frame) + extension);
 }
 
+void RunFolder::remove_picture(int frame) const {
+  std::error_code error;
+  for (const char* extension : {".png", ".exr"}) fs::remove(picture(frame, extension), error);
+}
+
 void RunFolder::remove_pictures() const {
   remove_numbered(frames(), {".png", ".exr"});
   std::error_code error;

@@ -35,6 +35,8 @@ class RunFolder {
   std::filesystem::path state(int frame) const;
   std::filesystem::path picture(int frame, const std::string& extension = ".png") const;
 
+  /// Removes what was drawn of one frame, if anything.
+  void remove_picture(int frame) const;
   /// Removes all pictures and the clip: they were made with other settings.
   void remove_pictures() const;
 

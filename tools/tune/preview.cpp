@@ -30,8 +30,11 @@ int even(double length) {
 }
 
 void preview_pictures(const RenderDescription& render, const std::vector<std::string>& chosen, Preview& preview) {
-  const bool engine_chosen = is_chosen(chosen, "render.engine");
-  if (!engine_chosen && render.engine != RenderEngine::osmesa)
+  const bool quality_chosen = is_chosen(chosen, "render.engine") || is_chosen(chosen, "render.samples") ||
+                              is_chosen(chosen, "render.bounces") || is_chosen(chosen, "render.preview");
+  const bool rasterises = render.engine == RenderEngine::osmesa || render.wireframe;
+  if (!quality_chosen && !rasterises && !render.preview) add(preview, "render.preview", "true", "few paths of light");
+  if (!quality_chosen && rasterises && render.engine != RenderEngine::osmesa)
     add(preview, "render.engine", "osmesa", "rasterised instead of path-traced");
   const double scale = std::min(double(most_width) / render.width, double(most_height) / render.height);
   if (!is_chosen(chosen, "render.size") && scale < 1) {
@@ -39,7 +42,7 @@ void preview_pictures(const RenderDescription& render, const std::vector<std::st
     add(preview, "render.size", fmt::format("[{}, {}]", width, height),
         fmt::format("{}x{} instead of {}x{}", width, height, render.width, render.height));
   }
-  if (!engine_chosen && !is_chosen(chosen, "render.samples") && render.samples > preview_samples)
+  if (!quality_chosen && rasterises && render.samples > preview_samples)
     add(preview, "render.samples", std::to_string(preview_samples), "few shadow maps");
 }
 

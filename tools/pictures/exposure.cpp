@@ -1,0 +1,26 @@
+#include "tools/pictures/exposure.h"
+
+#include <algorithm>
+
+namespace umax {
+
+Exposure endless_exposure(const RenderDescription& render, int frame) {
+  const bool blurs = render.engine == RenderEngine::embree && render.heatmap == Heatmap::none;
+  if (!blurs || !(render.shutter > 0)) return {double(frame), double(frame)};
+  return {frame - render.shutter_position * render.shutter, frame + (1 - render.shutter_position) * render.shutter};
+}
+
+Exposure exposure_of(const RenderDescription& render, int frame, int last_frame) {
+  Exposure exposure = endless_exposure(render, frame);
+  exposure.opens = std::clamp(exposure.opens, 1.0, double(std::max(1, frame)));
+  exposure.closes = std::clamp(exposure.closes, double(frame), double(std::max(last_frame, frame)));
+  return exposure;
+}
+
+int last_frame_with(const RenderDescription& render, int count, int last_frame) {
+  int frame = std::min(count, last_frame);
+  while (frame > 0 && exposure_of(render, frame, last_frame).last_state() > count) --frame;
+  return frame;
+}
+
+}  // namespace umax

@@ -1,0 +1,86 @@
+#include "tools/pictures/motion_blur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace umax {
+namespace {
+
+// between two instants of what turns; more of them follow the circle better
+constexpr double largest_turn = 3.14159265358979 / 36;
+
+/// Nodes of a body in one state.
+auto nodes_of(const BodySetup& body, const State& state) {
+  return state.positions.middleRows(body.first_node, body.lattice.num_nodes());
+}
+
+bool is_at_rest(const BodySetup& body, const std::vector<State>& states) {
+  return std::all_of(states.begin(), states.end(),
+                     [&](const State& state) { return nodes_of(body, state) == nodes_of(body, states.front()); });
+}
+
+void add_body_motion(const BodySetup& body, const std::vector<State>& states, const Exposure& exposure,
+                     SurfaceMotion& motion) {
+  if (is_at_rest(body, states)) return;
+  motion.first = exposure.share(exposure.first_state());
+  motion.last = exposure.share(exposure.last_state());
+  for (const State& state : states) {
+    auto instant = std::make_shared<TriangleMesh>();
+    deform(*body.embedding, body.lattice.hexes, nodes_of(body, state), *instant);
+    motion.instants.push_back(std::move(instant));
+  }
+}
+
+double turn_between(const Pose& a, const Pose& b) {
+  const double cosine = ((a.rotation.transpose() * b.rotation).trace() - 1) / 2;
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+/// Poses at even times, as many as the turning needs; none when the obstacle stands still.
+std::vector<Pose> poses_while_open(const Obstacle& obstacle, double begin, double end) {
+  const auto poses = [&](int count) {
+    std::vector<Pose> found;
+    for (int k = 0; k <= count; ++k) found.push_back(pose_at(obstacle, begin + (end - begin) * k / count));
+    return found;
+  };
+  const std::vector<Pose> few = poses(8);
+  double turn = 0;
+  bool moves = false;
+  for (std::size_t k = 1; k < few.size(); ++k) {
+    turn += turn_between(few[k - 1], few[k]);
+    moves = moves || few[k].translation != few[0].translation || few[k].rotation != few[0].rotation;
+  }
+  return moves ? poses(std::clamp(int(std::ceil(turn / largest_turn)), 2, 64)) : std::vector<Pose>();
+}
+
+}  // namespace
+
+void add_motion(const Simulation& simulation, const Stage& stage, const std::vector<State>& states,
+                const Exposure& exposure, int frame, RenderScene& shot) {
+  if (!exposure.is_open()) return;
+  for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
+    add_body_motion(simulation.bodies[i], states, exposure, shot.objects[i].motion);
+
+  const double now = states[std::size_t(frame - exposure.first_state())].time;
+  const auto time_of = [&](double place) { return now + (place - frame) / simulation.scene.clip.fps; };
+  std::size_t object = simulation.bodies.size();
+  for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
+    if (!simulation.scene.obstacles[i].visible) continue;
+    SurfaceMotion& motion = shot.objects[object++].motion;
+    for (const Pose& pose :
+         poses_while_open(simulation.model.obstacles[i], time_of(exposure.opens), time_of(exposure.closes)))
+      motion.instants.push_back(
+          std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), pose)));
+  }
+}
+
+void add_camera_motion(const Exposure& exposure, const std::function<Camera(double frame)>& camera_at,
+                       RenderScene& shot) {
+  if (!exposure.is_open()) return;
+  constexpr int segments = 8;
+  for (int k = 0; k <= segments; ++k)
+    shot.camera_path.push_back(camera_at(exposure.opens + (exposure.closes - exposure.opens) * k / segments));
+}
+
+}  // namespace umax

@@ -1,0 +1,22 @@
+// What moves while a picture's shutter is open: bodies between their states, obstacles along their tracks, the camera.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "tools/pictures/exposure.h"
+#include "tools/pictures/shot.h"
+
+namespace umax {
+
+/// Gives bodies and obstacles of a shot their motion. states: those of the exposure's first_state() to last_state();
+/// frame: the shot's own. Bodies go straight from state to state, obstacles as their tracks say. Does nothing when the
+/// shutter is not open.
+void add_motion(const Simulation& simulation, const Stage& stage, const std::vector<State>& states,
+                const Exposure& exposure, int frame, RenderScene& shot);
+
+/// Gives a shot the camera's way. camera_at: at a place of the clip [frames].
+void add_camera_motion(const Exposure& exposure, const std::function<Camera(double frame)>& camera_at,
+                       RenderScene& shot);
+
+}  // namespace umax
