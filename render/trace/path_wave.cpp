@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "render/trace/path_rows.h"
 
@@ -65,10 +66,15 @@ struct PathWave::Buffers {
   // --- camera
   void start(const std::vector<PathStart>& starts) {
     count = int(starts.size());
+    std::uint32_t first_index = 0, pixel_key = 0;
     for (int i = 0; i < count; ++i) {
       const PathStart& s = starts[i];
-      reversed_index[i] = reverse_bits(tracer.sequence.pixel_start(s.x, s.y) + std::uint32_t(s.sample));
-      block_key[i] = tracer.sequence.block_key(s.x, s.y) ^ SampleSequence::stream_key(s.stream);
+      if (i == 0 || s.x != starts[i - 1].x || s.y != starts[i - 1].y) {
+        first_index = tracer.sequence.pixel_start(s.x, s.y);
+        pixel_key = tracer.sequence.block_key(s.x, s.y);
+      }
+      reversed_index[i] = reverse_bits(first_index + std::uint32_t(s.sample));
+      block_key[i] = pixel_key ^ SampleSequence::stream_key(s.stream);
       slot[i] = i;
       throughput.set(i, {1, 1, 1});
       density[i] = 0;
@@ -76,14 +82,35 @@ struct PathWave::Buffers {
     }
     for (int i = 0; i < count; ++i) ray.time[i] = 0;
     if (tracer.has_shutter) draw(dim_time, ray.time, v);
-    Row lens_u, lens_v;
-    for (int i = 0; i < count; ++i) lens_u[i] = lens_v[i] = 0;
-    if (tracer.cameras.front().aperture_radius > 0) draw(dim_lens, lens_u, lens_v);
     draw(dim_filter, u, v);
     for (int i = 0; i < count; ++i) {
       const Vector2f offset = tracer.filter.offset({u[i], v[i]});
-      Ray start = camera_ray(camera_at(tracer.cameras, ray.time[i]), float(starts[i].x) + 0.5f + offset.x(),
-                             float(starts[i].y) + 0.5f + offset.y(), {lens_u[i], lens_v[i]});
+      u[i] = float(starts[i].x) + 0.5f + offset.x();
+      v[i] = float(starts[i].y) + 0.5f + offset.y();
+    }
+    const bool is_simple = tracer.cameras.size() == 1 && !(tracer.cameras.front().aperture_radius > 0);
+    is_simple ? start_rays(tracer.cameras.front()) : start_moving_rays();
+  }
+
+  // from places in the picture, u and v [px], through a pinhole that stands still
+  void start_rays(const CameraView& view) {
+    const Direction position = direction_of(view.position), corner = direction_of(view.corner),
+                    step_x = direction_of(view.step_x), step_y = direction_of(view.step_y);
+    for (int i = 0; i < count; ++i) {
+      const Direction towards = corner + u[i] * step_x + v[i] * step_y;
+      ray.origin.set(i, position);
+      ray.direction.set(i, towards / std::sqrt(dot(towards, towards)));
+      ray.max_distance[i] = std::numeric_limits<float>::infinity();
+    }
+  }
+
+  // through a lens, or a camera that moves
+  void start_moving_rays() {
+    Row lens_u, lens_v;
+    for (int i = 0; i < count; ++i) lens_u[i] = lens_v[i] = 0;
+    if (tracer.cameras.front().aperture_radius > 0) draw(dim_lens, lens_u, lens_v);
+    for (int i = 0; i < count; ++i) {
+      Ray start = camera_ray(camera_at(tracer.cameras, ray.time[i]), u[i], v[i], {lens_u[i], lens_v[i]});
       start.time = ray.time[i];
       ray.set(i, start);
     }
