@@ -8,7 +8,7 @@
 
 namespace umax {
 
-/// Reads STL, glTF, FBX, COLLADA by the given lower-case ending. Calls take(mesh) before the library gives its memory
+/// Reads glTF, FBX, COLLADA by the given lower-case ending. Calls take(mesh) before the library gives its memory
 /// back: who ends then need not wait for that. Throws Error (bad_data) where the file is not sound.
 void read_with_assimp(const std::filesystem::path& path, const std::string& ending,
                       const std::function<void(MeshFile&&)>& take);

@@ -15,7 +15,7 @@ struct ImportLimits {
 /// Much more than a sound file of this size needs.
 ImportLimits import_limits(const std::filesystem::path& path);
 
-/// STL, glTF, FBX or COLLADA by the given lower-case ending. Throws Error: bad_data that says what the file did (not
+/// glTF, FBX or COLLADA by the given lower-case ending. Throws Error: bad_data that says what the file did (not
 /// sound, reader ended by a signal, limit of time or memory), unavailable where there is no helper of this version.
 MeshFile read_foreign(const std::filesystem::path& path, const std::string& ending, const ImportLimits& limits);
 

@@ -16,8 +16,7 @@ MeshFile read_ply(const std::filesystem::path& path);
 /// OFF, text or binary. Throws Error (bad_data) that names the place in the file.
 MeshFile read_off(const std::filesystem::path& path);
 
-/// Checks what a STL file's header promises against its size or its end. Throws Error (bad_data): truncated. Returns the
-/// number of vertices that the file says it has, or -1 where the format does not say.
-long long check_promised_size(const std::filesystem::path& path, const std::string& ending);
+/// STL, text or binary. Throws Error (bad_data): truncated, or the place in the file.
+MeshFile read_stl(const std::filesystem::path& path);
 
 }  // namespace umax

@@ -108,6 +108,7 @@ MeshFile read_by_ending(const std::filesystem::path& path, const std::string& en
   if (ending == "obj") return read_obj(path);
   if (ending == "ply") return read_ply(path);
   if (ending == "off") return read_off(path);
+  if (ending == "stl") return read_stl(path);
   return read_foreign(path, ending, import_limits(path));
 }
 
@@ -124,13 +125,8 @@ MeshFile load_mesh(const std::filesystem::path& path) {
   if (std::find(known_endings.begin(), known_endings.end(), ending) == known_endings.end())
     refuse_mesh(path, "unknown mesh format", fmt::format("\"{}\"", ending), "known are " + known_mesh_formats());
 
-  const long long promised = check_promised_size(path, ending);
   MeshFile file = read_by_ending(path, ending);
   require_triangles(path, file.mesh);
-  if (promised >= 0 && promised != file.mesh.num_vertices())
-    refuse_mesh(path, "the file does not hold the vertices that its header promises",
-                fmt::format("{} of {}", file.mesh.num_vertices(), promised),
-                "it is truncated or damaged: export it again");
   leave_out_collapsed_triangles(file);
   if (file.mesh.num_triangles() > 0) leave_out_loose_vertices(file);
   require_finite(path, file.mesh.positions);

@@ -134,6 +134,14 @@ TEST_CASE("STL, as text and binary: three vertices a facet") {
     CHECK(mesh.positions.row(4) == Eigen::RowVector3d(1, 1, 0));
     CHECK(report_mesh(mesh).num_boundary_edges == 4);
   }
+  CHECK(load_mesh(write_file("solid.stl", "solid" + binary_stl().substr(5))).mesh.num_triangles() == 2);
+  refuses(65, write_file("word.stl", replaced(stl_document, "vertex 1 0 0", "vertex 1 o 0")),
+          "word.stl:5: a coordinate");
+  refuses(65, write_file("nan.stl", replaced(stl_document, "vertex 1 0 0", "vertex 1 nan 0")), "not finite");
+  refuses(65, write_file("two.stl", replaced(stl_document, "vertex 1 0 0\n", "")), "other than three vertices");
+  std::string many = binary_stl();
+  many.replace(80, 4, "\xff\xff\xff\xff");
+  refuses(65, write_file("many.stl", many), "truncated");
 }
 
 TEST_CASE("glTF: every node's copy, metres, Y up") {
