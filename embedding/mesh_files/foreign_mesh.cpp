@@ -27,10 +27,11 @@ fs::path find_helper(const fs::path& mesh) {
     if (fs::is_regular_file(place, error)) return place;
     looked += (looked.empty() ? "" : ", ") + place.string();
   }
-  throw Error(Fault::unavailable, {.where = mesh.string(),
-                                   .what = "the program umax-import, which reads this format, is not there",
-                                   .value = "looked for " + looked,
-                                   .remedy = "put it beside umax, or name it in the environment's UMAX_IMPORT"});
+  throw Error(Fault::unavailable,
+              {.where = mesh.string(),
+               .what = "the program umax-import, which reads this format, is not there (looked for " + looked + ")",
+               .value = "",
+               .remedy = "put it beside umax, or name it in the environment's UMAX_IMPORT"});
 }
 
 /// Bytes of the file, and of those beside it that a glTF keeps its numbers in.

@@ -48,7 +48,7 @@ TEST_CASE("an installed program finds its helper in ../libexec/umax, and without
   fs::create_directories(helper.parent_path());
   fs::create_hard_link(built, installed);
   make_file(folder / "two.fbx", testing::fbx_document);
-  const Words call{installed.string(), "inspect", (folder / "two.fbx").string(), "--height", "1 m"};
+  const Words call{installed.string(), "inspect", (folder / "two.fbx").string(), "--height", "1 m", "--up", "y"};
 
   const ProcessResult without = run_process(call);
   CAPTURE(without.messages);
