@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/element/limit_law.h"
 #include "core/problem/evaluation.h"
 #include "core/problem/step_contacts.h"
 
@@ -16,6 +17,12 @@ inline bool is_balanced(double kkt_residual, double tolerance) {
   return kkt_residual <= tolerance;
 }
 
+/// What a body's matrix was factored for.
+struct FactoredAt {
+  Points positions;                // of its nodes [m]; empty: it was not, in this step
+  std::vector<LimitTerms> limits;  // of its hexes
+};
+
 struct Iterate {
   Points positions;               // #N x 3 [m]
   LastApart apart;                // by the step's start and the iterates
@@ -26,6 +33,7 @@ struct Iterate {
   double last_move = 0;           // [cells] largest node displacement of the last iteration
   std::vector<double> residuals;  // [-] KKT, of the iterates so far and of this one as soon as it is assessed
   std::vector<char> indefinite;   // per body: its exact Hessian was not positive definite at one of the last iterations
+  std::vector<FactoredAt> factored;  // per body
 };
 
 /// What decides whether the iterate is the solution.

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/parallel.h"
 #include "core/step/delassus.h"
@@ -191,6 +192,35 @@ int factorize_body(const StepProblem& problem, const Linearisation& at, Iterate&
   return attempts;
 }
 
+// [cells] that a body's nodes may have moved, and share of its hexes' stiffness that limits may have changed, since its
+// matrix was factored: a step with that factor leaves no more than such a share of what a new one would have mended.
+constexpr double alike_positions = 1e-3, alike_stiffening = 1e-2;
+
+// Would the body's matrix be nearly what its factor was made for?
+bool is_factored(const StepProblem& problem, const Linearisation& at, const Iterate& iterate, int b) {
+  const Model& model = *problem.model;
+  const Model::BodyRange& body = model.bodies[b];
+  const FactoredAt& known = iterate.factored[b];
+  if (known.positions.rows() == 0) return false;
+  const auto moves = iterate.positions.middleRows(body.first_node, body.num_nodes) - known.positions;
+  if (moves.rowwise().norm().maxCoeff() > alike_positions * body.cell_size) return false;
+  const int first = model.limit_starts[body.first_hex];
+  for (std::size_t l = 0; l < known.limits.size(); ++l) {
+    const LimitTerms &now = at.limits[first + l], &then = known.limits[l];
+    if (std::abs(now.rank_one - then.rank_one) > alike_stiffening * std::min(now.rank_one, then.rank_one)) return false;
+    if (std::abs(now.stiffening - then.stiffening) > alike_stiffening * (1 + then.stiffening)) return false;
+  }
+  return true;
+}
+
+FactoredAt factored_at(const StepProblem& problem, const Linearisation& at, const Iterate& iterate, int b) {
+  const Model& model = *problem.model;
+  const Model::BodyRange& body = model.bodies[b];
+  const auto first = at.limits.begin() + model.limit_starts[body.first_hex],
+             end = at.limits.begin() + model.limit_starts[body.first_hex + body.num_hexes];
+  return {iterate.positions.middleRows(body.first_node, body.num_nodes), {first, end}};
+}
+
 }  // namespace
 
 void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
@@ -247,9 +277,14 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
   const Model& model = *problem.model;
   const std::vector<std::vector<int>> in_hex = contacts_by_hex(model, iterate, at);
   iterate.indefinite.resize(model.bodies.size(), 0);
+  iterate.factored.resize(model.bodies.size());
+  const bool may_keep = at.contacts.empty() && model.bodies.size() > 1;
   int most = 0;
-  for (int b = 0; b < int(model.bodies.size()); ++b)  // one after the other: the BLAS is not made for several threads
+  for (int b = 0; b < int(model.bodies.size()); ++b) {  // one after the other: the BLAS is not made for several threads
+    if (may_keep && is_factored(problem, at, iterate, b)) continue;
     most = std::max(most, factorize_body(problem, at, iterate, in_hex, b, workspace));
+    if (may_keep) iterate.factored[b] = factored_at(problem, at, iterate, b);
+  }
   return most;
 }
 

@@ -238,7 +238,7 @@ TEST_CASE("bodies inside each other at the start are found, and pushed apart gen
   const std::vector<Overlap> overlaps = find_overlaps(model, rest_state(model));
   REQUIRE(overlaps.size() == 2);
   CHECK(overlaps[0].depth == Approx(0.03).epsilon(1e-6));
-  CHECK(overlaps[0].vertices > 50);
+  CHECK(overlaps[0].vertices >= 49);  // 7 x 7 of its end; others lie on sides that both have in one plane
   State state = rest_state(model);
   test::simulate(model, without_gravity(), 60, state, [&](const StepReport& report, const State& now) {
     CHECK(report.status == StepStatus::converged);

@@ -54,9 +54,8 @@ TEST_CASE("a search that remembers finds what one finds that begins anew, wherev
 }
 
 TEST_CASE("looks at what has hardly moved are few") {
-  const Model model = make_model({touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1),
-                                  touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)},
-                                 {});
+  const Model model = make_model(
+      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)}, {});
   const ContactGeometry geometry = make_contact_geometry(model);
   Points positions = model.rest_positions;
   const ContactStep step = fresh_step(model, geometry, positions, positions);
@@ -74,10 +73,10 @@ TEST_CASE("looks at what has hardly moved are few") {
 }
 
 TEST_CASE("a part of a model has the contact geometry that it would make by itself") {
-  const Model model = make_model({touchable_block("a", {2, 2, 2}, {0, 0, 0}, 0.1),
-                                  touchable_ball("b", 3, {0.6, 0.15, 0.13}, 0.13),
-                                  touchable_block("c", {3, 1, 2}, {1, 0, 0}, 0.1)},
-                                 {make_ground(0.5)});
+  const Model model =
+      make_model({touchable_block("a", {2, 2, 2}, {0, 0, 0}, 0.1), touchable_ball("b", 3, {0.6, 0.15, 0.13}, 0.13),
+                  touchable_block("c", {3, 1, 2}, {1, 0, 0}, 0.1)},
+                 {make_ground(0.5)});
   const std::vector<int> bodies{1, 2};
   const Model part = part_of(model, bodies);
   const ContactGeometry taken = part_of(model, make_contact_geometry(model), part, bodies),

@@ -150,6 +150,7 @@ TEST_CASE("options of pictures become settings of the scene that win over --set,
       {"run", "beam", "--quick", "--set", "render.samples=7", "--samples", "9", "--size", "64x36", "--seed", "5"}));
   std::vector<std::string> lines;
   for (const Override& setting : settings) lines.push_back(setting.key + "=" + setting.value);
-  CHECK(lines == std::vector<std::string>{"render.size=[320, 180]", "render.samples=4", "render.samples=7",
-                                          "render.samples=9", "render.size=64x36", "render.seed=5"});
+  CHECK(lines == std::vector<std::string>{"render.size=[320, 180]", "render.samples=4", "render.preview=false",
+                                          "render.samples=7", "render.samples=9", "render.size=64x36",
+                                          "render.seed=5"});
 }

@@ -373,6 +373,6 @@ TEST_CASE("a texture is copied beside the mesh that has it") {
   const std::string run = (folder / "run").string();
   REQUIRE(exit_code_of({"simulate", scene, "-o", run, "--quiet", "--export", "mdd", "--export", "obj"}) == 0);
   CHECK(read_file(folder / "run/export/quad.png") == read_file(folder / "skin.png"));
-  CHECK(load_mesh(folder / "run/export/quad.obj").texture == folder / "run/export/quad.png");
-  CHECK(load_mesh(folder / "run/export/quad/0002.obj").texture == folder / "run/export/quad/quad.png");
+  CHECK(load_mesh(folder / "run/export/quad.obj").materials.at(0).texture == folder / "run/export/quad.png");
+  CHECK(load_mesh(folder / "run/export/quad/0002.obj").materials.at(0).texture == folder / "run/export/quad/quad.png");
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/contact/clearances.h"
 #include "core/contact/material_point.h"
 #include "core/contact/surface_contact.h"
 #include "scenes/scene_file.h"
@@ -68,7 +69,7 @@ BenchRows armadillo_self_contact() {
 double share_near(const ContactStep& step, const Points& positions) {
   const Model& model = *step.model;
   std::vector<char> near(std::size_t(model.surface.size()), 0);
-  for (const Encounter& encounter : step.encounters.all)
+  for (const Encounter& encounter : step.clearances->encounters.all)
     for (int k = step.geometry->hex_starts[encounter.hex]; k < step.geometry->hex_starts[encounter.hex + 1]; ++k) {
       const int point = step.geometry->hex_points[k];
       const Vector3d position =

@@ -47,19 +47,25 @@ MovingSurface surface_of(const std::string& name, const TriangleMesh& mesh, cons
   return surface;
 }
 
+/// The picture that the body shows, where it is a file of its own and the only one.
+std::filesystem::path texture_file(const BodySetup& body, const BodyDescription& description) {
+  if (!body.look.texture) return {};
+  if (!description.texture_path.empty()) return description.texture_path;
+  const std::vector<MeshMaterial>& materials = body.shape.own->materials;
+  return materials.size() == 1 ? materials.front().texture : std::filesystem::path{};
+}
+
 ExportedThing body_thing(const Simulation& simulation, std::size_t index, const ExportOptions& options) {
   const BodySetup& body = simulation.bodies[index];
   const BodyDescription& description = simulation.scene.bodies[index];
   ExportedThing thing{.stem = body.name,
                       .body = index,
                       .obstacle = {},
-                      .surface = surface_of(body.name, body.shape.mesh, description.look, options),
+                      .surface = surface_of(body.name, body.shape.mesh, body.look, options),
                       .texture = {}};
   thing.surface.material.library = thing.stem + ".mtl";
-  // as it is drawn: a painted mesh keeps its paint unless the scene asks for a colour
-  thing.surface.material.vertex_colors =
-      body.shape.mesh.colors.rows() > 0 && description.look.base_color == Look().base_color;
-  if (body.texture) thing.texture = description.texture_path.empty() ? body.shape.texture : description.texture_path;
+  thing.surface.material.vertex_colors = body.look.vertex_colors;
+  thing.texture = texture_file(body, description);
   return thing;
 }
 

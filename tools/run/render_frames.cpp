@@ -65,7 +65,8 @@ std::string legend_text(const Stage& stage) {
   return fmt::format("heat to {} {} {} ", legend.high, legend.ends_at_limit, legend.slack);
 }
 
-void require_exposed_states(const Simulation& simulation, const std::filesystem::path& run, const std::vector<int>& frames) {
+void require_exposed_states(const Simulation& simulation, const std::filesystem::path& run,
+                            const std::vector<int>& frames) {
   for (const int frame : frames) {
     const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
     for (int needed = exposure.first_state(); needed <= exposure.last_state(); ++needed) {
