@@ -153,7 +153,7 @@ SceneSection render_section() {
            "reflections of a path, at most (embree)");
   keys.add("denoise", FlagKind(), UMAX_FIELD(denoise), "feature-guided filter (embree)");
   keys.add("preview", FlagKind(), UMAX_FIELD(preview),
-           "as fast as it goes, for a look at the motion: two paths a pixel and one bounce at most, a small filter "
+           "as fast as it goes, for a look at the motion: four paths a pixel and one bounce at most "
            "(embree)");
   keys.add("seed", IntegerKind{.low = 0}, UMAX_FIELD(seed), "of the noise (embree)");
   keys.add("shutter", NumberKind{units::ratio, {.low = 0, .high = 2}}, UMAX_FIELD(shutter),

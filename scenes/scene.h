@@ -151,7 +151,7 @@ struct RenderDescription {
   double noise = 0;                // [-] standard error that is enough (embree); 0: all samples are taken
   int bounces = 4;
   bool denoise = true;   // feature-guided filter (embree)
-  bool preview = false;  // as fast as it goes (embree): few paths and bounces, a small filter
+  bool preview = false;  // as fast as it goes (embree): few paths and bounces
   unsigned seed = 1;
   Heatmap heatmap = Heatmap::none;
   std::optional<double> heatmap_top;  // where the bar of multiplier and stretch ends, in its unit; unset: chosen

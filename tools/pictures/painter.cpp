@@ -22,7 +22,7 @@ struct Painter::Engine {
 namespace {
 
 // of a preview
-constexpr int preview_samples = 2, preview_bounces = 1, preview_radius = 2;
+constexpr int preview_samples = 4, preview_bounces = 1;
 
 PathTraceOptions trace_options(const RenderDescription& render) {
   PathTraceOptions options;
@@ -43,7 +43,6 @@ std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription
   std::vector<Layer> layers;
   if (stop_flag()) return layers;
   DenoiseOptions filter;
-  if (render.preview) filter.radius = preview_radius;
   if (render.denoise) traced.color = denoise(traced, filter);
   layers.push_back({"", std::move(traced.color)});
   layers.push_back({"Albedo", std::move(traced.albedo)});
