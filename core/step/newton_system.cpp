@@ -283,7 +283,7 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
   for (int b = 0; b < int(model.bodies.size()); ++b) {  // one after the other: the BLAS is not made for several threads
     if (may_keep && is_factored(problem, at, iterate, b)) continue;
     most = std::max(most, factorize_body(problem, at, iterate, in_hex, b, workspace));
-    if (may_keep) iterate.factored[b] = factored_at(problem, at, iterate, b);
+    iterate.factored[b] = may_keep ? factored_at(problem, at, iterate, b) : FactoredAt{};
   }
   return most;
 }

@@ -7,6 +7,7 @@
 
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
+#include "core/step/newton_system.h"
 #include "embedding/surface/shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
@@ -269,4 +270,31 @@ TEST_CASE("bodies of different cells that start inside each other are pushed apa
     CHECK(report.kinetic_energy < 0.5 * total_mass(model) * recovery * recovery);
   });
   CHECK(find_overlaps(model, state).empty());
+}
+
+TEST_CASE("a body's factor is kept while it hardly moves, and not once contacts have joined its matrix") {
+  const Model model = make_model(
+      {touchable_block("low", {2, 1, 2}, {0, 0, 0}, 0.1), touchable_block("high", {2, 1, 2}, {0, 0.3, 0}, 0.1)},
+      {test::make_ground(0.5)});
+  const StepOptions options;
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const State state = rest_state(model);
+  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+  Workspace workspace(model);
+  Iterate iterate = predict(problem, state);
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  Linearisation at{limit_terms(problem, iterate, 1e4), {}};
+  const auto factor = [&] { return factorize(problem, at, iterate, workspace.data()); };
+  CHECK(factor() == 1);
+  CHECK(factor() == 0);
+  iterate.positions.array() += 1e-5;  // a ten thousandth of a cell
+  CHECK(factor() == 0);
+  iterate.positions.row(0).array() += 1e-3;
+  CHECK(factor() == 1);
+  CHECK(factor() == 0);
+  iterate.contacts = {make_contact(model, {ContactKind::vertex, 0}, 0, model.surface.hex[0])};
+  at.contacts = {ContactTerms{.energy = 0, .force = Vector3d::Zero(), .stiffness = 1e4 * Matrix3d::Identity()}};
+  CHECK(factor() == 1);
+  at.contacts.clear();
+  CHECK(factor() == 1);
 }
