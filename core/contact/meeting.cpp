@@ -27,8 +27,12 @@ double least_distance(const Model::BodyRange& body, const HexBounds& bounds, con
          (radius > 0 ? bounds.rest_from_world.norm() * radius : 0);
 }
 
-Vector3d vertex_position(const Meeting& meeting, int point) {
-  return meeting.nodes.transpose() * meeting.model.surface.weights.row(point).transpose();
+const int* first_vertex(const VertexClusters& clusters, int hex) {
+  return clusters.points.data() + clusters.all[std::size_t(clusters.hex_starts[hex])].first;
+}
+
+Support vertex_support(const Meeting& meeting, int k) {
+  return {meeting.hex, meeting.model.surface.weights.row(meeting.vertices[k]).transpose()};
 }
 
 // How far [m] points within a radius of this one are at least from touching in the hex; 0 or less: they may.
@@ -39,13 +43,17 @@ double clear_of(const Meeting& meeting, const OtherHex& other, const Vector3d& p
   return distance > other.largest_move ? distance : 0;
 }
 
+// on which way of the hexes a vertex that is so far from touching [m] may touch at the earliest
+double clear_until(const Meeting& meeting, double clear) {
+  return meeting.clearance.way + (1 - rounding) * clear;
+}
+
 // What bounds tell of the vertices of a hex that is met for the first time: of clusters, and where these are near, of each.
 void begin(const Meeting& meeting) {
   const int first_cluster = meeting.clusters.hex_starts[meeting.hex],
             end_cluster = meeting.clusters.hex_starts[meeting.hex + 1];
   std::vector<double>& until = meeting.clearance.until;
   std::vector<const OtherHex*> near;
-  const auto remember = [&](double least) { until.push_back(meeting.clearance.way + (1 - rounding) * least); };
   for (int c = first_cluster; c < end_cluster; ++c) {
     const VertexCluster& cluster = meeting.clusters.all[std::size_t(c)];
     const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
@@ -58,13 +66,13 @@ void begin(const Meeting& meeting) {
       else
         near.push_back(&other);
     }
-    for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
+    for (int k = 0; k < cluster.count; ++k) {
       double of_vertex = least;
       if (!near.empty()) {
-        const Vector3d position = vertex_position(meeting, meeting.clusters.points[std::size_t(k)]);
+        const Vector3d position = meeting.nodes.transpose() * vertex_support(meeting, int(until.size())).weights;
         for (const OtherHex* other : near) of_vertex = std::min(of_vertex, clear_of(meeting, *other, position, 0));
       }
-      remember(of_vertex);
+      until.push_back(clear_until(meeting, of_vertex));
     }
   }
 }
@@ -111,6 +119,7 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   positions,
                   model.bodies[encounter.body],
                   encounter.hex,
+                  first_vertex(search.step.geometry->clusters, encounter.hex),
                   {},
                   way_between(search.step, encounter.hex, encounter.others.front()),
                   {},
@@ -133,9 +142,7 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
 }
 
 bool find_held(const Meeting& meeting, int k, HeldVertex& held) {
-  const int first = meeting.clusters.all[std::size_t(meeting.clusters.hex_starts[meeting.hex])].first;
-  const int point = meeting.clusters.points[std::size_t(first + k)];
-  const Support vertex{meeting.hex, meeting.model.surface.weights.row(point).transpose()};
+  const Support vertex = vertex_support(meeting, k);
   const Vector3d position = meeting.nodes.transpose() * vertex.weights;
   double least = infinity;
   for (const OtherHex& other : meeting.others) {
@@ -147,8 +154,19 @@ bool find_held(const Meeting& meeting, int k, HeldVertex& held) {
     }
     least = std::min(least, clear);
   }
-  meeting.clearance.until[std::size_t(k)] = meeting.clearance.way + (1 - rounding) * least;
+  meeting.clearance.until[std::size_t(k)] = clear_until(meeting, least);
   return false;
+}
+
+void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch& touch) {
+  double least = std::min(touch.gap, touch.clear);
+  if (least > 0) {  // a hex that is folded over the one that holds the vertex may hold it, too
+    const Vector3d position = meeting.nodes.transpose() * held.vertex.weights;
+    for (const OtherHex& other : meeting.others)
+      if (!share_node(meeting.model, other.hex, held.other.hex))
+        least = std::min(least, clear_of(meeting, other, position, 0));
+  }
+  meeting.clearance.until[std::size_t(k)] = clear_until(meeting, least);
 }
 
 }  // namespace umax

@@ -39,12 +39,11 @@ struct Meeting {
   const Points &apart, &positions;
   const Model::BodyRange& body;
   int hex = 0;
+  const int* vertices = nullptr;  // of the hex, by cluster
   Matrix8x3d nodes;
   const WayOut* way = nullptr;
   std::vector<OtherHex> others;
-  std::vector<int>
-      near;  // of the hex's vertices in VertexClusters::points, from its first one on: those that may touch,
-             // the ones that were deepest first
+  std::vector<int> near;  // of these, by number: those that may touch, the ones that were deepest first
   Clearances::OfEncounter& clearance;
 };
 
@@ -55,13 +54,16 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i);
 /// how far it is from that is remembered.
 bool find_held(const Meeting& meeting, int k, HeldVertex& held);
 
+/// Remembers how far the vertex, which a hex of the body holds and which meets this there, is from touching; of one that
+/// is inside, how deep it is.
+void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch& touch);
+
 /// Calls visit(vertex, held) for each vertex for which find_held().
 template <class Visit>
 void visit_held(const Meeting& meeting, const Visit& visit) {
   HeldVertex held;
-  const int first = meeting.clusters.all[std::size_t(meeting.clusters.hex_starts[meeting.hex])].first;
   for (const int k : meeting.near)
-    if (find_held(meeting, k, held)) visit(meeting.clusters.points[std::size_t(first + k)], held);
+    if (find_held(meeting, k, held)) visit(meeting.vertices[k], held);
 }
 
 /// The deepest vertex of those with gaps below `below`; point -1: there is none.
@@ -79,17 +81,16 @@ DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& dee
   deepest.gap = below;
   if (meeting.near.empty()) return deepest;
   const double tie = tied_depth(meeting.model, meeting.hex);
-  const int first = meeting.clusters.all[std::size_t(meeting.clusters.hex_starts[meeting.hex])].first;
   HeldVertex held;
   for (const int k : meeting.near) {
     if (!find_held(meeting, k, held)) continue;
     const double most = deepest.gap + tie;
     if (!meeting.way && least_gap(held) > most) continue;
     const Touch touch = measure(meeting.model, held, meeting.way);
-    meeting.clearance.until[std::size_t(k)] = meeting.clearance.way + std::min(touch.gap, touch.clear);
+    remember(meeting, k, held, touch);
     if (touch.gap > most) continue;
     const double gap = touch.gap + deep(held);
-    const int point = meeting.clusters.points[std::size_t(first + k)];
+    const int point = meeting.vertices[k];
     const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
     if (is_tied ? point < deepest.point : gap < deepest.gap) deepest = {point, gap, held, touch};
   }
