@@ -27,23 +27,6 @@ struct ContactProblem {
   int count() const { return int(contacts.size()); }
 };
 
-// calls visit(side) for each body that the contact pushes
-template <class Visit>
-void for_each_side(const Delassus& delassus, int contact, const Visit& visit) {
-  for (int s = delassus.first_side[contact]; s < delassus.first_side[contact + 1]; ++s) visit(delassus.sides[s]);
-}
-
-// how a contact moves under another one's force
-Matrix3d block(const Delassus& delassus, int to, int from) {
-  Matrix3d sum = Matrix3d::Zero();
-  for_each_side(delassus, to, [&](const Delassus::Side& a) {
-    for_each_side(delassus, from, [&](const Delassus::Side& b) {
-      if (a.body == b.body) sum += a.sign * b.sign * delassus.bodies[a.body].W.block<3, 3>(3 * a.point, 3 * b.point);
-    });
-  });
-  return sum;
-}
-
 // the motions of all points under the forces, with the q of contacts at their first points
 std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
   const Delassus& delassus = problem.delassus;
@@ -196,7 +179,7 @@ bool newton_step(const ContactProblem& problem, ContactState& state) {
     for (Eigen::Index j = 0; 3 * j < size; ++j) {
       const Pushing& from = pushing[std::size_t(j)];
       M.block<3, 3>(3 * i, 3 * j) =
-          rows_of(to, to.frame.transpose() * block(problem.delassus, to.contact, from.contact) * from.frame);
+          rows_of(to, to.frame.transpose() * compliance(problem.delassus, to.contact, from.contact) * from.frame);
     }
     add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], M.block<3, 3>(3 * i, 3 * i));
   }
@@ -241,7 +224,7 @@ GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<Con
                                  const GaussSeidelOptions& options, VectorXd& forces) {
   ContactProblem problem{delassus, contacts, q, {}};
   for (int i = 0; i < problem.count(); ++i)
-    problem.blocks.push_back(make_contact_block(block(delassus, i, i), contacts[i].normal));
+    problem.blocks.push_back(make_contact_block(compliance(delassus, i, i), contacts[i].normal));
   ContactState state{forces, motions_of(problem, forces)};
   GaussSeidelResult result;
   int between = sweeps_between, next_try = between;

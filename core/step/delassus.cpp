@@ -58,18 +58,21 @@ void extend(const Model& model, const Workspace::Data& workspace, const std::vec
   });
 }
 
+Matrix3d compliance(const Delassus& delassus, int to, int from) {
+  Matrix3d sum = Matrix3d::Zero();
+  for_each_side(delassus, to, [&](const Delassus::Side& a) {
+    for_each_side(delassus, from, [&](const Delassus::Side& b) {
+      if (a.body == b.body) sum += a.sign * b.sign * delassus.bodies[a.body].W.block<3, 3>(3 * a.point, 3 * b.point);
+    });
+  });
+  return sum;
+}
+
 MatrixXd dense(const Delassus& delassus) {
-  const Eigen::Index size = 3 * Eigen::Index(delassus.first_side.size() - 1);
-  MatrixXd W = MatrixXd::Zero(size, size);
-  for (Eigen::Index i = 0; 3 * i < size; ++i)
-    for (Eigen::Index j = 0; 3 * j < size; ++j)
-      for (int a = delassus.first_side[i]; a < delassus.first_side[i + 1]; ++a)
-        for (int b = delassus.first_side[j]; b < delassus.first_side[j + 1]; ++b) {
-          const Delassus::Side &to = delassus.sides[a], &from = delassus.sides[b];
-          if (to.body == from.body)
-            W.block<3, 3>(3 * i, 3 * j) +=
-                to.sign * from.sign * delassus.bodies[to.body].W.block<3, 3>(3 * to.point, 3 * from.point);
-        }
+  const int count = int(delassus.first_side.size()) - 1;
+  MatrixXd W(3 * count, 3 * count);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j) W.block<3, 3>(3 * i, 3 * j) = compliance(delassus, i, j);
   return W;
 }
 

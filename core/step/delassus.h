@@ -34,6 +34,15 @@ struct Delassus {
 void extend(const Model& model, const Workspace::Data& workspace, const std::vector<Contact>& contacts,
             Delassus& delassus);
 
+/// Calls visit(side) for each body that the contact pushes.
+template <class Visit>
+void for_each_side(const Delassus& delassus, int contact, const Visit& visit) {
+  for (int s = delassus.first_side[contact]; s < delassus.first_side[contact + 1]; ++s) visit(delassus.sides[s]);
+}
+
+/// How a contact moves under another one's force [m/N]: a block of W.
+Matrix3d compliance(const Delassus& delassus, int to, int from);
+
 /// W as one matrix, 3 #C x 3 #C.
 MatrixXd dense(const Delassus& delassus);
 
