@@ -16,7 +16,7 @@ namespace {
 
 constexpr double same_plane = 0.99;  // [-] cosine between normals
 constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
-constexpr double kept_share = 0.5;   // [penetration tolerances] that it lets a vertex be inside
+constexpr double kept_share = 0.5;   // [penetration tolerances] that a kept plane may be off the surface
 
 // the first of the hexes that holds the vertex
 bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
@@ -57,7 +57,8 @@ bool undoes(const Vector3d& turn, const Vector3d& before) {
          turn.dot(before) < -0.5 * turn.norm() * before.norm();
 }
 
-// The contact at its next place, or with its plane there.
+// The contact at its next place, or with its plane there. A vertex that slides to and fro between faces of nearly one plane
+// is held by one of them: gaps now of the one, now of the other would keep it going.
 void move_on(const Model& model, const Points& positions, const Contact& next, Contact& contact) {
   const bool kept_plane = keeps_plane(contact);
   const Vector3d turn = contact.normal.isZero(0) ? Vector3d(0, 0, 0) : Vector3d(next.normal - contact.normal);
@@ -66,7 +67,9 @@ void move_on(const Model& model, const Points& positions, const Contact& next, C
   const bool is_away = next.gap > nearly_outside * tolerance_depth(model, next);
   if (keeps_plane(contact) && !is_away) {
     keep_at_vertex(model, positions, contact);
-    if (next.normal.dot(contact.normal) > same_plane) contact.gap = next.gap;
+    if (next.normal.dot(contact.normal) > same_plane &&
+        std::abs(next.gap - contact.gap) > kept_share * tolerance_depth(model, next))
+      contact.gap = next.gap;
     return;
   }
   const int turns_back = is_away ? 0 : contact.turns_back;
