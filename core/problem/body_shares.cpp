@@ -56,6 +56,14 @@ double felt_share(const StepProblem& problem, const Iterate& iterate, const Vect
   return 1 / approaches(problem, iterate.positions, iterate.positions + unflatten(step)).maxCoeff();
 }
 
+VectorXd as_far_as_felt(const StepProblem& problem, const Iterate& iterate, const VectorXd& step, VectorXd shares) {
+  if (shares.maxCoeff() <= 1) return shares;
+  VectorXd scaled = step;
+  scale_bodies(*problem.model, shares, scaled);
+  const double felt = felt_share(problem, iterate, scaled);
+  return (shares.array() > 1).select(felt * shares, shares);
+}
+
 VectorXd body_shares(const StepProblem& problem, const Iterate& iterate, const VectorXd& step) {
   const Model& model = *problem.model;
   VectorXd shares = step_fractions(model, step);

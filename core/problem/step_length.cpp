@@ -64,13 +64,34 @@ bool hardly_falls(const std::vector<double>& residuals, std::size_t iterations) 
   return residuals.back() > slow_fall * residuals[residuals.size() - 1 - iterations];
 }
 
+// a body's part of a step
+template <class Step>
+auto part_of(const Model::BodyRange& body, Step& step) {
+  return step.segment(3 * body.first_node, 3 * body.num_nodes);
+}
+
+double largest_move(const Model::BodyRange& body, const Eigen::Ref<const VectorXd>& part) {
+  double largest = 0;
+  for (int node = 0; node < body.num_nodes; ++node)
+    largest = std::max(largest, part.segment<3>(3 * node).norm() / body.cell_size);
+  return largest;
+}
+
+// how much of its part of a step a body would take, were all of it bearable, and more than all as well
+double wanted_factor(const Model::BodyRange& body, const VectorXd& part, const std::vector<double>& residuals,
+                     const TakenStep& before) {
+  const double factor = correction(part, before);
+  if (goes_to_and_fro(residuals, part, before)) return std::min(careful_share, factor);
+  if (factor == 1 && stagnates(residuals) && largest_move(body, part) > large_move) return careful_share;
+  return factor;
+}
+
 }  // namespace
 
 double largest_move(const Model& model, const VectorXd& step) {
   double largest = 0;
   for (const Model::BodyRange& body : model.bodies)
-    for (int node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      largest = std::max(largest, step.segment<3>(3 * node).norm() / body.cell_size);
+    largest = std::max(largest, largest_move(body, part_of(body, step)));
   return largest;
 }
 
@@ -125,6 +146,13 @@ TakenStep taken_step(VectorXd step, double factor) {
   return factor >= careful_share ? TakenStep{std::move(step), factor} : TakenStep{};
 }
 
+std::vector<TakenStep> taken_steps(const Model& model, const VectorXd& step, const VectorXd& shares) {
+  std::vector<TakenStep> taken;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    taken.push_back(taken_step(part_of(model.bodies[b], step), shares[Eigen::Index(b)]));
+  return taken;
+}
+
 double correction(const VectorXd& step, const TakenStep& before) {
   if (before.step.size() == 0) return 1;
   const double along = step.dot(before.step), square = before.step.squaredNorm();
@@ -141,13 +169,21 @@ bool stagnates(const std::vector<double>& residuals) {
   return hardly_falls(residuals, 2 * patience);
 }
 
-double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
-                   const std::vector<double>& residuals, const TakenStep& before) {
-  if (balanced || bearable < nearly_whole) return bearable;
-  if (goes_to_and_fro(residuals, step, before)) return careful_share;
-  const double factor = correction(step, before);
-  if (factor == 1 && stagnates(residuals) && largest_move(model, step) > large_move) return careful_share;
-  return factor > 1 ? factor * max_step_fraction(model, factor * step) : std::min(factor, bearable);
+VectorXd step_factors(const Model& model, const VectorXd& step, double bearable, bool balanced,
+                      const std::vector<double>& residuals, const std::vector<TakenStep>& before) {
+  const auto count = Eigen::Index(model.bodies.size());
+  if (balanced || bearable < nearly_whole) return VectorXd::Constant(count, bearable);
+  VectorXd factors(count);
+  for (Eigen::Index b = 0; b < count; ++b) {
+    const Model::BodyRange& body = model.bodies[std::size_t(b)];
+    factors[b] =
+        wanted_factor(body, part_of(body, step), residuals, before.empty() ? TakenStep{} : before[std::size_t(b)]);
+  }
+  if ((factors.array() <= 1).all()) return factors.cwiseMin(bearable);
+  VectorXd extended = step;
+  for (Eigen::Index b = 0; b < count; ++b) part_of(model.bodies[std::size_t(b)], extended) *= factors[b];
+  const VectorXd fractions = step_fractions(model, extended);
+  return (factors.array() > 1).select(factors.cwiseProduct(fractions), factors.cwiseMin(bearable));
 }
 
 }  // namespace umax

@@ -21,7 +21,7 @@ double max_step_fraction(const Model& model, const VectorXd& step);
 /// so that they do not hold up all others. Where it does so to many, they are left to max_step_fraction().
 void limit_distortion(const Model& model, VectorXd& step);
 
-/// A step of 3 #N [m] and how much of it was taken; empty: there is none to compare the next one with.
+/// A body's part of a step [m] and how much of it was taken; empty: there is none to compare the next one with.
 struct TakenStep {
   VectorXd step;
   double factor = 1;
@@ -29,6 +29,9 @@ struct TakenStep {
 
 /// Empty where a step was cut to less than a half: the next one says nothing of the iteration then.
 TakenStep taken_step(VectorXd step, double factor);
+
+/// Of each body, with a step of 3 #N [m] and the shares of it that were taken (#B).
+std::vector<TakenStep> taken_steps(const Model& model, const VectorXd& step, const VectorXd& shares);
 
 /// Aitken's factor on a step along the one before: their ratio tells the true curvature along them. The multigrids'
 /// matrix, which lacks what turning hexes do to forces, is too soft for such a motion under tension (the steps go to
@@ -45,9 +48,9 @@ bool goes_to_and_fro(const std::vector<double>& residuals, const VectorXd& step,
 /// stay there. residuals: of all iterates so far.
 bool stagnates(const std::vector<double>& residuals);
 
-/// How much of a step is taken: the bearable share; where that is nearly all of it and forces are missing at the
-/// iterate (it is not balanced), corrected.
-double step_factor(const Model& model, const VectorXd& step, double bearable, bool balanced,
-                   const std::vector<double>& residuals, const TakenStep& before);
+/// How much of its part of a step of 3 #N [m] each body takes (#B): the bearable share; where that is nearly all of it and
+/// forces are missing at the iterate (it is not balanced), corrected. before: of each body; empty: of none.
+VectorXd step_factors(const Model& model, const VectorXd& step, double bearable, bool balanced,
+                      const std::vector<double>& residuals, const std::vector<TakenStep>& before);
 
 }  // namespace umax

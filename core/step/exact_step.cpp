@@ -95,7 +95,7 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
                           Iterate& iterate, StepReport& report) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
-  TakenStep last;
+  std::vector<TakenStep> last;
   bool been_near = false;
   int cut_steps = 0;  // where bodies come near each other
   for (int iteration = 0;; ++iteration) {
@@ -118,19 +118,21 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 
     // go along it as far as what is linear holds
     iterate.last_move = largest_move(model, newton.step);
-    const VectorXd shares = body_shares(problem, iterate, newton.step);
+    VectorXd shares = body_shares(problem, iterate, newton.step);
     update_multipliers(problem, at, newton.limit_change, shares, iterate);
     const bool is_cut = shares.minCoeff() < shares.maxCoeff();
-    if (is_cut) scale_bodies(model, shares, newton.step);
-    const bool balanced = is_balanced(quality.kkt, solver.tolerance);
-    double moved = is_cut ? 1 : step_factor(model, newton.step, shares[0], balanced, iterate.residuals, last);
-    if (!back_end.corrects) moved = std::min(moved, 1.0);  // a factor's steps are long enough, but may go to and fro
-    if (moved > 1) moved *= felt_share(problem, iterate, moved * newton.step);
-    if (is_cut || (moved < 1 && bodies_touch(iterate))) ++cut_steps;
-    iterate.positions += moved * unflatten(newton.step);
-    iterate.last_move *= std::max(1.0, moved);
-    if (back_end.corrects || bodies_touch(iterate))
-      last = is_cut ? TakenStep{} : taken_step(std::move(newton.step), moved);
+    if (!is_cut) {
+      const bool balanced = is_balanced(quality.kkt, solver.tolerance);
+      shares = step_factors(model, newton.step, shares[0], balanced, iterate.residuals, last);
+      // a factor's steps are long enough, but may go to and fro
+      shares = back_end.corrects ? as_far_as_felt(problem, iterate, newton.step, shares) : shares.cwiseMin(1.0);
+    }
+    if (is_cut || (shares.minCoeff() < 1 && bodies_touch(iterate))) ++cut_steps;
+    iterate.last_move *= std::max(1.0, shares.maxCoeff());
+    last = is_cut || !(back_end.corrects || bodies_touch(iterate)) ? std::vector<TakenStep>{}
+                                                                   : taken_steps(model, newton.step, shares);
+    scale_bodies(model, shares, newton.step);
+    iterate.positions += unflatten(newton.step);
   }
 }
 

@@ -104,7 +104,7 @@ TEST_CASE("a slide into a buckled shape is followed step after step, as far as h
   REQUIRE(most < 1);
   const std::vector<double> residuals{1, 0.5};
   for (const double before : {1.0, 4.0})  // the matrix takes a negative curvature of -0.25 for 1
-    CHECK(step_factor(model, (1 + 0.25 * before) * step, 1, false, residuals, taken_step(step, before)) ==
+    CHECK(step_factors(model, (1 + 0.25 * before) * step, 1, false, residuals, {taken_step(step, before)})[0] ==
           Approx(8 * max_step_fraction(model, 8 * (1 + 0.25 * before) * step)));
 }
 
@@ -114,10 +114,26 @@ TEST_CASE("steps to and fro are cut where easing has left nearly all of them bea
   const TakenStep last = taken_step(before, 0.99);
   const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9};
   const std::vector<double> falling{8, 4, 2, 1, 0.1};
-  CHECK(step_factor(model, -before, 0.99, false, falling, last) == Approx(0.99 / 2));  // along the line
-  CHECK(step_factor(model, -0.3 * before, 0.99, false, stuck, last) == 0.5);
-  CHECK(step_factor(model, -before, 0.6, false, stuck, last) == 0.6);
-  CHECK(step_factor(model, 0.5 * before, 1, false, stuck, last) == Approx(0.99 / 0.5));
+  CHECK(step_factors(model, -before, 0.99, false, falling, {last})[0] == Approx(0.99 / 2));  // along the line
+  CHECK(step_factors(model, -0.3 * before, 0.99, false, stuck, {last})[0] == 0.5);
+  CHECK(step_factors(model, -before, 0.6, false, stuck, {last})[0] == 0.6);
+  CHECK(step_factors(model, 0.5 * before, 1, false, stuck, {last})[0] == Approx(0.99 / 0.5));
+}
+
+TEST_CASE("of bodies in one solve those whose steps go to and fro take a part of theirs, the others all") {
+  const Model model = make_model(
+      {test::make_block({2, 2, 2}, Vector3d::Zero(), cell), test::make_block({2, 2, 2}, Vector3d(1, 0, 0), cell)}, {});
+  const double taken = GENERATE(1.0, 0.5);  // of the last step
+  const Eigen::Index half = 3 * model.bodies[0].num_nodes;
+  const VectorXd before = VectorXd::LinSpaced(2 * half, -0.01 * cell, 0.01 * cell);
+  VectorXd step = before;
+  step.head(half) *= -1;         // what was taken was twice too much
+  step.tail(half) *= 1 - taken;  // of a body whose matrix is right
+  const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9};
+  const VectorXd factors =
+      step_factors(model, step, 1, false, stuck, taken_steps(model, before, VectorXd::Constant(2, taken)));
+  CHECK(factors[0] == Approx(taken / 2));
+  CHECK(factors[1] == Approx(1));
 }
 
 TEST_CASE("a step that only restores constraints is neither extended nor cut for what the ones before did") {
@@ -126,7 +142,7 @@ TEST_CASE("a step that only restores constraints is neither extended nor cut for
   const TakenStep last = taken_step(before, 0.99);
   const std::vector<double> stuck{8, 4, 2, 1, 1, 1, 1, 1, 0.9};
   for (const double share : {-1.0, -0.3, 0.5, 1.2})
-    CHECK(step_factor(model, share * before, 0.99, true, stuck, last) == 0.99);
+    CHECK(step_factors(model, share * before, 0.99, true, stuck, {last})[0] == 0.99);
 }
 
 TEST_CASE("an iteration goes to and fro where it undoes its last step and its residual hardly falls") {
@@ -154,11 +170,11 @@ TEST_CASE("half steps are taken where large ones have not got on for long, whole
   CHECK(stagnates(after_landing(wandering)));
   CHECK_FALSE(stagnates(after_landing(falling)));
   CHECK_FALSE(stagnates(wandering));  // may still be looking for its contacts
-  CHECK(step_factor(model, step, 1, false, after_landing(wandering), {}) == 0.5);
-  CHECK(step_factor(model, small, 1, false, after_landing(wandering), {}) == 1);  // may have begun to slide
-  CHECK(step_factor(model, step, 1, false, after_landing(falling), {}) == 1);
-  CHECK(step_factor(model, step, 1, true, after_landing(wandering), {}) == 1);  // only constraints are to be met
-  CHECK(step_factor(model, step, 0.3, false, after_landing(wandering), {}) == 0.3);
+  CHECK(step_factors(model, step, 1, false, after_landing(wandering), {})[0] == 0.5);
+  CHECK(step_factors(model, small, 1, false, after_landing(wandering), {})[0] == 1);  // may have begun to slide
+  CHECK(step_factors(model, step, 1, false, after_landing(falling), {})[0] == 1);
+  CHECK(step_factors(model, step, 1, true, after_landing(wandering), {})[0] == 1);  // only constraints are to be met
+  CHECK(step_factors(model, step, 0.3, false, after_landing(wandering), {})[0] == 0.3);
   const TakenStep creeping = taken_step(2 * step, 1);
-  CHECK(step_factor(model, step, 1, false, after_landing(wandering), creeping) == Approx(2.0));
+  CHECK(step_factors(model, step, 1, false, after_landing(wandering), {creeping})[0] == Approx(2.0));
 }
