@@ -279,13 +279,14 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
   iterate.indefinite.resize(model.bodies.size(), 0);
   iterate.factored.resize(model.bodies.size());
   const bool may_keep = at.contacts.empty() && model.bodies.size() > 1;
-  int most = 0;
-  for (int b = 0; b < int(model.bodies.size()); ++b) {  // one after the other: the BLAS is not made for several threads
-    if (may_keep && is_factored(problem, at, iterate, b)) continue;
-    most = std::max(most, factorize_body(problem, at, iterate, in_hex, b, workspace));
+  std::vector<int> made(model.bodies.size(), 0);
+  for_each_factor(Eigen::Index(model.bodies.size()), [&](Eigen::Index i) {
+    const int b = int(i);
+    if (may_keep && is_factored(problem, at, iterate, b)) return;
+    made[b] = factorize_body(problem, at, iterate, in_hex, b, workspace);
     iterate.factored[b] = may_keep ? factored_at(problem, at, iterate, b) : FactoredAt{};
-  }
-  return most;
+  });
+  return *std::max_element(made.begin(), made.end());
 }
 
 VectorXd gradient(const StepProblem& problem, const Iterate& iterate, const Linearisation& at) {

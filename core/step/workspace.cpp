@@ -28,8 +28,10 @@ void eliminate_last(const Model& model, int body, const std::vector<int>& nodes,
 }
 
 void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    workspace.bodies[b].cholesky.solve(x.segment(3 * model.bodies[b].first_node, 3 * model.bodies[b].num_nodes));
+  for_each_factor(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
+    const Model::BodyRange& body = model.bodies[std::size_t(b)];
+    workspace.bodies[std::size_t(b)].cholesky.solve(x.segment(3 * body.first_node, 3 * body.num_nodes));
+  });
 }
 
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace) {

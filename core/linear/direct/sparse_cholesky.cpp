@@ -7,6 +7,8 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/base/parallel.h"
+
 namespace umax {
 namespace {
 
@@ -33,6 +35,12 @@ class SerialOpenMp {
       reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
   int levels_ = 1;
 };
+
+// May several threads call the BLAS at once? Not unless it says so.
+bool blas_is_reentrant() {
+  static const auto get_parallel = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
+  return get_parallel && get_parallel() != 0;
+}
 
 // the lower triangle in compressed columns, as a view
 cholmod_sparse lower_triangle(std::size_t size, std::size_t entries, const int* column_starts, const int* rows,
@@ -130,6 +138,13 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
   cholmod_finish(&common);
   if (no_memory) throw std::bad_alloc();
   return done;
+}
+
+void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
+  const Eigen::Index at_once = blas_is_reentrant() ? 1 : std::max<Eigen::Index>(1, count);
+  parallel_blocks(count, at_once, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) visit(i);
+  });
 }
 
 struct SparseCholesky::Data {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -40,6 +41,10 @@ class SparseCholesky {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// Calls visit(i) for 0 <= i < count, each with a factor of its own: in parallel where the BLAS allows it. Debian's
+/// serial OpenBLAS does not, as its calls share buffers; its pthread one does.
+void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>& visit);
 
 /// A Cholesky factor's columns in groups with the same rows, as CHOLMOD stores them: of group s the columns starts[s]
 /// .. starts[s + 1], its rows (diagonal ones first) from row_starts[s] on, values by columns from value_starts[s] on.
