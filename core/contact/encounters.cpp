@@ -80,11 +80,11 @@ Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, con
 }
 
 // Calls visit(block, hex, body, others) for each hex with vertices and each body that these may touch, in parallel.
-// box(hex): of the hex. meet(hex, other): a closer look.
-template <class Box, class Meet, class Visit>
+// box(hex): of the hex.
+template <class Box, class Visit>
 void visit_meetings(const Model& model, const TouchableBodies& touchable, const Surfaces& surfaces,
                     const std::vector<int>& hex_starts, const std::vector<Boxes>& boxes, const Box& box,
-                    const Meet& meet, const Visit& visit) {
+                    const Visit& visit) {
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (int hex = int(begin); hex < int(end); ++hex) {
       if (hex_starts[hex] == hex_starts[hex + 1] || surfaces[model.hex_body[hex]].empty()) continue;
@@ -92,8 +92,7 @@ void visit_meetings(const Model& model, const TouchableBodies& touchable, const 
       for (const int body : surfaces[model.hex_body[hex]]) {
         std::vector<int> others;
         for_each_hex_in(touchable.trees[body], boxes[body], around, [&](int other) {
-          if (meet(hex, other) && (body != model.hex_body[hex] || !share_node(model, hex, other)))
-            others.push_back(other);
+          if (body != model.hex_body[hex] || !share_node(model, hex, other)) others.push_back(other);
         });
         if (others.empty()) continue;
         std::sort(others.begin(), others.end());
@@ -101,6 +100,19 @@ void visit_meetings(const Model& model, const TouchableBodies& touchable, const 
       }
     }
   });
+}
+
+// Leaves of encounters of boxes those of which a closer look says that the hexes may meet; by: [m] as in may_meet().
+void keep_meeting(const Model& model, const Points& positions, double by, std::vector<Encounter>& encounters) {
+  const std::vector<HexBounds> bounds = bound_hexes(model, encounters, positions);
+  parallel_blocks(Eigen::Index(encounters.size()), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      Encounter& encounter = encounters[std::size_t(i)];
+      const Matrix8x3d nodes = hex_nodes(model, positions, encounter.hex);
+      std::erase_if(encounter.others, [&](int other) { return !may_meet(bounds[std::size_t(other)], nodes, by); });
+    }
+  });
+  std::erase_if(encounters, [](const Encounter& encounter) { return encounter.others.empty(); });
 }
 
 std::size_t num_blocks(const Model& model) {
@@ -213,12 +225,15 @@ TouchableBodies find_touchable(const Model& model) {
   return touchable;
 }
 
-std::vector<HexBounds> bound_hexes(const Model& model, const TouchableBodies& touchable, const Points& positions) {
-  std::vector<HexBounds> bounds(std::size_t(model.num_hexes()));
+std::vector<HexBounds> bound_hexes(const Model& model, const std::vector<Encounter>& encounters,
+                                   const Points& positions) {
+  std::vector<char> wanted(std::size_t(model.num_hexes()), 0);
+  for (const Encounter& encounter : encounters)
+    for (const int other : encounter.others) wanted[std::size_t(other)] = 1;
+  std::vector<HexBounds> bounds(wanted.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index e = begin; e < end; ++e)
-      if (!touchable.trees[model.hex_body[e]].nodes.empty())
-        bounds[std::size_t(e)] = bound_hex(model, positions, int(e));
+      if (wanted[std::size_t(e)]) bounds[std::size_t(e)] = bound_hex(model, positions, int(e));
   });
   return bounds;
 }
@@ -236,18 +251,17 @@ Encounters find_encounters_of(const Model& model, const TouchableBodies& touchab
   const double of_others = margin * largest_cell(model);  // theirs is in the box of the hex
   const Surfaces near = near_surfaces(model, touchable, positions, 2 * of_others, wanted);
   if (std::all_of(near.begin(), near.end(), [](const std::vector<int>& of) { return of.empty(); })) return encounters;
-  const std::vector<HexBounds> bounds = bound_hexes(model, touchable, positions);
   visit_meetings(
       model, touchable, near, hex_starts, boxes_of_bodies(model, touchable, near, positions),
       [&](int hex) {
         return grown(box_of(model, positions, hex), margin * model.bodies[model.hex_body[hex]].cell_size + of_others);
       },
-      [&](int hex, int other) { return may_meet(bounds[other], hex_nodes(model, positions, hex), of_others); },
       [&](Eigen::Index block, int hex, int body, std::vector<int> others) {
         of_blocks[block].push_back({hex, body, std::move(others)});
       });
   for (std::vector<Encounter>& block : of_blocks)
     std::move(block.begin(), block.end(), std::back_inserter(encounters.all));
+  keep_meeting(model, positions, of_others, encounters.all);
   return encounters;
 }
 

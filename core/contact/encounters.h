@@ -25,8 +25,9 @@ struct Encounter {
   std::vector<int> others;  // ascending; none that shares a node with the hex
 };
 
-/// bound_hex() of every hex of bodies that something may touch; of others as it is made: #E.
-std::vector<HexBounds> bound_hexes(const Model& model, const TouchableBodies& touchable, const Points& positions);
+/// bound_hex() of each hex that one of the encounters meets; of others as it is made: #E.
+std::vector<HexBounds> bound_hexes(const Model& model, const std::vector<Encounter>& encounters,
+                                   const Points& positions);
 
 struct Encounters {
   Points expected;             // #N x 3 [m] positions that they were found at

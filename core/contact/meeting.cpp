@@ -93,7 +93,7 @@ Search search_at(const ContactStep& step, const Points& positions) {
   Search search{step, positions, *step.clearances, {}};
   complete(model, touchable, step.geometry->hex_starts, positions, encounter_margin, search.clearances);
   if (search.clearances.encounters.all.empty()) return search;
-  search.bounds = bound_hexes(model, touchable, positions);
+  search.bounds = bound_hexes(model, search.clearances.encounters.all, positions);
   advance(model, search.bounds, positions, search.clearances);
   return search;
 }
