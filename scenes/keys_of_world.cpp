@@ -1,4 +1,5 @@
 // Scene keys of [obstacle.NAME], [pair.NAME] and [probe.NAME].
+#include "scenes/cache_keys.h"
 #include "scenes/mesh_keys.h"
 
 namespace umax {
@@ -29,6 +30,22 @@ std::optional<std::string> get_size(const ObstacleDescription& obstacle) {
   return block ? std::optional(VectorKind().write(2 * block->half_size)) : std::nullopt;
 }
 
+void set_thickness(const SceneValue& value, ObstacleDescription& obstacle) {
+  const NumberKind kind{units::length, positive_length};
+  if (auto* bowl = std::get_if<BowlShape>(&obstacle.shape))
+    bowl->thickness = kind.read(value);
+  else if (!obstacle.cache.path.empty())
+    obstacle.thickness = kind.read(value);
+  else
+    throw value_error(value, "does not fit here", "it belongs to shape = \"bowl\", or to a mesh with a cache");
+}
+
+std::optional<std::string> get_thickness(const ObstacleDescription& obstacle) {
+  const auto* bowl = std::get_if<BowlShape>(&obstacle.shape);
+  if (!bowl && !obstacle.thickness) return std::nullopt;
+  return number_text(bowl ? bowl->thickness : *obstacle.thickness);
+}
+
 template <class Keys>
 void add_shape_keys(Keys& keys) {
   const std::string of_mesh = "shape = \"mesh\"";
@@ -40,7 +57,8 @@ void add_shape_keys(Keys& keys) {
   keys.add_custom(
       "shape", R"("plane", "sphere", "box", "bowl", "mesh")", "what it is; a plane is solid below its y = 0",
       {.unset = "required",
-       .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius", "thickness"},
+       .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius", "thickness",
+                  "cache", "cache_start", "cache_speed", "cache_offset", "cache_fps", "cache_sha256"},
        .defines = true,
        .required = true},
       set_shape, get_shape);
@@ -54,12 +72,18 @@ void add_shape_keys(Keys& keys) {
   };
   keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere, or of a bowl's rim",
            {.unset = number_text(Ball().radius), .belongs_to = "shape = \"sphere\" or \"bowl\""});
-  const auto thickness = [](auto& obstacle) {
-    auto* bowl = std::get_if<BowlShape>(&obstacle.shape);
-    return bowl ? &bowl->thickness : nullptr;
+  const auto require_mesh_here = [mesh_of, of_mesh](const SceneValue& value, const ObstacleDescription& obstacle) {
+    if (!mesh_of(obstacle)) throw value_error(value, "does not fit here", "it belongs to " + of_mesh);
   };
-  keys.add("thickness", NumberKind{units::length, positive_length}, thickness, "of a bowl",
-           {.unset = number_text(BowlShape().thickness), .belongs_to = "shape = \"bowl\""});
+  add_cache_keys(keys, "cache",
+                 "animation of the mesh's vertices: .pc2, .mdd, or a folder of OBJ or PLY files, one a frame; in the "
+                 "order, units and axes of the mesh",
+                 UMAX_FIELD(cache), require_mesh_here);
+  keys.add_custom("thickness", NumberKind{units::length, positive_length}.type(),
+                  "of a bowl; of an animated mesh: half of it lies on each side of the surface",
+                  {.unset = number_text(BowlShape().thickness) +
+                            "; animated: 0 where the mesh is closed, else a hundredth of its size"},
+                  set_thickness, get_thickness);
   const auto of_mesh_only = [mesh_of](auto member) {
     return [mesh_of, member](auto& obstacle) { return mesh_of(obstacle) ? &(obstacle.*member) : nullptr; };
   };

@@ -31,6 +31,16 @@ struct MeshSource {
   std::string sha256;             // of the file, filled when the scene is read
   std::string from;               // where the file is had, for the message when it is missing
 };
+/// An animation that another program has made, and when it plays: its instant t is at the clip's time
+/// start + (t - its first instant - offset) / speed.
+struct CacheSource {
+  std::filesystem::path path;  // absolute: PC2, MDD, or a folder of OBJ or PLY files; empty: none
+  double start = 0;            // [s] of the clip
+  double speed = 1;            // [-]
+  double offset = 0;           // [s] of the animation
+  std::optional<double> fps;   // [1/s] of its frames; unset: as its file says, else the clip's
+  std::string sha256;          // filled when the scene is read
+};
 struct BoxShape {
   Vector3d size{1, 1, 1};  // [m]
 };
@@ -103,6 +113,8 @@ struct ObstacleDescription {
   std::string name;
   std::variant<HalfSpace, Ball, Block, BowlShape, MeshSource> shape = HalfSpace{};
   std::optional<double> height, scale;  // of a mesh
+  CacheSource cache;                    // of where the mesh's vertices go
+  std::optional<double> thickness;  // [m] of a mesh that is animated; unset: none, of an open one a share of its size
   double friction = 0;
   Track<Vector3d> position{Vector3d(0, 0, 0)};
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};

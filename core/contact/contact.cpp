@@ -9,6 +9,7 @@
 #include "core/contact/contact_detection.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/edge_contact.h"
+#include "core/contact/moving_obstacle.h"
 #include "core/contact/obstacle_side.h"
 #include "core/contact/surface_contact.h"
 
@@ -28,24 +29,36 @@ Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point
 
 AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& support) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, support);
-  const double depth =
-      -signed_distance(step.model->obstacles[obstacle].shape, step.poses_t0[obstacle].local(before)).distance;
+  const ObstacleAt& start = step.obstacles_t0[obstacle];
+  const double depth = -signed_distance(*start.shape, start.pose.local(before)).distance;
   return allowed_depth(depth, tolerance_depth(*step.model, support.hex),
                        step.recovery[step.model->hex_body[support.hex]]);
 }
 
+// how far a vertex has come against an obstacle's surface in the step [m], at most
+double longest_way(const ContactStep& step, int obstacle, const Support& vertex, const Vector3d& position) {
+  const Vector3d before = embedded_position(*step.model, step.positions_t0, vertex);
+  const Pose &from = step.obstacles_t0[obstacle].pose, &to = step.obstacles_t1[obstacle].pose;
+  return (to.local(position) - from.local(before)).norm() + step.deformations[obstacle];
+}
+
 // distance of a vertex at the end of the step from the side that it came by, and the outward direction, in the world
 DistanceSample end_distance(const ContactStep& step, int obstacle, const Support& vertex, const Vector3d& position) {
-  const Pose& pose = step.poses_t1[obstacle];
-  const ObstacleShape& shape = step.model->obstacles[obstacle].shape;
+  const Pose& pose = step.obstacles_t1[obstacle].pose;
+  const ObstacleShape& shape = *step.obstacles_t1[obstacle].shape;
   if (!can_be_passed(shape)) {
     DistanceSample sample = signed_distance(shape, pose.local(position));
     sample.gradient = pose.rotation * sample.gradient;
     return sample;
   }
   const Vector3d before = embedded_position(*step.model, step.positions_t0, vertex);
-  DistanceSample sample = distance_from_side(shape, step.poses_t0[obstacle].local(before), pose.local(position),
-                                             came_outside * tolerance_depth(*step.model, vertex.hex));
+  const Vector3d start = step.obstacles_t0[obstacle].pose.local(before), end = pose.local(position);
+  DistanceSample sample;
+  const bool is_dear = std::holds_alternative<TriangleShape>(shape);  // few vertices need a distance twice
+  if (is_dear) sample = signed_distance(shape, end);
+  if (!is_dear || sample.distance <= (end - start).norm() + step.deformations[obstacle])
+    sample = distance_from_side(shape, carried_along(step, obstacle, start), end,
+                                came_outside * tolerance_depth(*step.model, vertex.hex));
   sample.gradient = pose.rotation * sample.gradient;
   return sample;
 }
@@ -54,8 +67,9 @@ DistanceSample end_distance(const ContactStep& step, int obstacle, const Support
 double way_against(const ContactStep& step, int obstacle, int hex, const BoundingSphere& sphere) {
   if (!can_be_passed(step.model->obstacles[obstacle].shape)) return 0;
   const BoundingSphere before = bounding_sphere(hex_nodes(*step.model, step.positions_t0, hex));
-  return (step.poses_t1[obstacle].local(sphere.centre) - step.poses_t0[obstacle].local(before.centre)).norm() +
-         sphere.radius + before.radius;
+  const Pose &from = step.obstacles_t0[obstacle].pose, &to = step.obstacles_t1[obstacle].pose;
+  return (to.local(sphere.centre) - from.local(before.centre)).norm() + sphere.radius + before.radius +
+         step.deformations[obstacle];
 }
 
 void place_vertex_contact(const ContactStep& step, const Points& positions, Contact& contact) {
@@ -102,16 +116,21 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
                     int obstacle, double threshold, ContactCandidate& deepest) {
   const Model& model = *step.model;
   const ContactGeometry& geometry = *step.geometry;
-  const double centre_distance =
-      signed_distance(model.obstacles[obstacle].shape, step.poses_t1[obstacle].local(sphere.centre)).distance;
+  const ObstacleAt& end = step.obstacles_t1[obstacle];
+  const double centre_distance = signed_distance(*end.shape, end.pose.local(sphere.centre)).distance;
   if (centre_distance > sphere.radius && centre_distance > sphere.radius + way_against(step, obstacle, hex, sphere))
     return false;
+  const bool is_triangles = std::holds_alternative<TriangleShape>(*end.shape);
   deepest = {{ContactKind::vertex, -1}, obstacle, hex, -threshold};
   const double tie = tied_depth(model, hex);
   for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
     const int point = geometry.hex_points[k];
     const Support vertex{hex, model.surface.weights.row(point).transpose()};
-    double gap = end_distance(step, obstacle, vertex, surface_position(model, nodes, point)).distance;
+    const Vector3d position = surface_position(model, nodes, point);
+    if (is_triangles &&
+        centre_distance - (position - sphere.centre).norm() > longest_way(step, obstacle, vertex, position))
+      continue;
+    double gap = end_distance(step, obstacle, vertex, position).distance;
     if (gap < deepest.gap - tie) gap += allowance(step, obstacle, vertex).deep;
     if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
   }
@@ -191,8 +210,9 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   step.geometry = &geometry;
   step.positions_t0 = positions_t0;
   for (const Obstacle& obstacle : model.obstacles) {
-    step.poses_t0.push_back(pose_at(obstacle, time_t0));
-    step.poses_t1.push_back(pose_at(obstacle, time_t0 + time_step));
+    step.obstacles_t0.push_back(obstacle_at(obstacle, time_t0));
+    step.obstacles_t1.push_back(obstacle_at(obstacle, time_t0 + time_step));
+    step.deformations.push_back(largest_deformation(step.obstacles_t0.back(), step.obstacles_t1.back()));
   }
   for (const Model::BodyRange& body : model.bodies)
     step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
@@ -267,8 +287,8 @@ std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& pos
     if (!touches_obstacles(model, model.hex_body[hex])) continue;
     const BoundingSphere sphere = bounding_sphere(hex_nodes(model, positions, hex));
     const double reach = sphere.radius + margin * model.bodies[model.hex_body[hex]].cell_size;
-    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
-      if (signed_distance(model.obstacles[o].shape, step.poses_t1[o].local(sphere.centre)).distance <= reach) {
+    for (const ObstacleAt& obstacle : step.obstacles_t1)
+      if (signed_distance(*obstacle.shape, obstacle.pose.local(sphere.centre)).distance <= reach) {
         near.push_back(hex);
         break;
       }
@@ -278,8 +298,8 @@ std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& pos
 
 double max_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions, double time) {
   if (model.obstacles.empty()) return 0;
-  std::vector<Pose> poses;
-  for (const Obstacle& obstacle : model.obstacles) poses.push_back(pose_at(obstacle, time));
+  std::vector<ObstacleAt> obstacles;
+  for (const Obstacle& obstacle : model.obstacles) obstacles.push_back(obstacle_at(obstacle, time));
   VectorXd deepest = VectorXd::Zero((model.num_hexes() + hexes_per_block - 1) / hexes_per_block);
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     double& block_deepest = deepest[begin / hexes_per_block];
@@ -288,12 +308,11 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
       if (!touches_obstacles(model, model.hex_body[hex])) continue;
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
       const BoundingSphere sphere = bounding_sphere(nodes);
-      for (std::size_t o = 0; o < poses.size(); ++o) {
-        const ObstacleShape& shape = model.obstacles[o].shape;
-        if (signed_distance(shape, poses[o].local(sphere.centre)).distance > sphere.radius) continue;
+      for (const auto& [pose, shape] : obstacles) {
+        if (signed_distance(*shape, pose.local(sphere.centre)).distance > sphere.radius) continue;
         for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
           const Vector3d p = surface_position(model, nodes, geometry.hex_points[k]);
-          block_deepest = std::max(block_deepest, -signed_distance(shape, poses[o].local(p)).distance);
+          block_deepest = std::max(block_deepest, -signed_distance(*shape, pose.local(p)).distance);
         }
       }
     }

@@ -70,8 +70,9 @@ Contact make_surface_contact(const Model& model, int vertex, int hex, int other_
 
 /// Sample points along an obstacle's edges and corners, in its own frame.
 struct EdgePoints {
-  Points positions;  // #P x 3 [m]
-  Points normals;    // #P x 3 unit, mean of the faces that meet there
+  Points positions;                               // #P x 3 [m]
+  Points normals;                                 // #P x 3 unit, mean of the faces that meet there
+  std::shared_ptr<const EdgeRiders> riders = {};  // that these are, on triangles that move; null: they stay
 };
 
 /// What detection needs that never changes during a run.
@@ -100,7 +101,8 @@ struct Clearances;
 struct ContactStep {
   const Model* model = nullptr;
   const ContactGeometry* geometry = nullptr;
-  std::vector<Pose> poses_t0, poses_t1;    // per obstacle
+  std::vector<ObstacleAt> obstacles_t0, obstacles_t1;
+  std::vector<double> deformations;        // per obstacle [m] that a vertex of it moves by itself in the step, at most
   Points positions_t0;                     // #N x 3 [m]
   std::vector<double> recovery;            // per body [m] by which a start in penetration is pushed out in this step
   bool surfaces_touch = true;              // false: obstacles alone are touched

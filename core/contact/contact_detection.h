@@ -34,10 +34,4 @@ inline BoundingSphere bounding_sphere(const Matrix8x3d& nodes) {
   return {centre, std::sqrt((nodes.rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff())};
 }
 
-/// Motion [m] during the step of the obstacle's point that is at position_t1 at its end.
-inline Vector3d obstacle_point_motion(const ContactStep& step, int obstacle, const Vector3d& position_t1) {
-  const Vector3d local = step.poses_t1[obstacle].local(position_t1);
-  return position_t1 - step.poses_t0[obstacle].world(local);
-}
-
 }  // namespace umax

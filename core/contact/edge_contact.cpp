@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/contact/material_point.h"
+#include "core/contact/moving_obstacle.h"
+#include "core/model/rest_surface.h"
 
 namespace umax {
 namespace {
@@ -31,13 +33,29 @@ bool edge_hit(const Model& model, const Points& positions, int hex, const Vector
   return true;
 }
 
+// a point that rides on an edge of triangles, in their frame
+struct RiderAt {
+  Vector3d place, normal;
+};
+RiderAt rider_at(const EdgeRiders& riders, const RestSurface& surface, int k) {
+  const double share = riders.share[k];
+  const auto between = [&](const Points& of_vertices) -> Vector3d {
+    return ((1 - share) * of_vertices.row(riders.from[k]) + share * of_vertices.row(riders.to[k])).transpose();
+  };
+  return {between(surface.vertices), between(surface.vertex_normals).normalized()};
+}
+
 // an obstacle's edge point at the end of the step
 struct WorldEdge {
   Vector3d point, normal;
 };
 WorldEdge world_edge(const ContactStep& step, int obstacle, int k) {
   const EdgePoints& edges = step.geometry->edges[obstacle];
-  const Pose& pose = step.poses_t1[obstacle];
+  const auto& [pose, shape] = step.obstacles_t1[obstacle];
+  if (edges.riders) {
+    const RiderAt rider = rider_at(*edges.riders, *std::get<TriangleShape>(*shape).surface, k);
+    return {pose.world(rider.place), pose.rotation * rider.normal};
+  }
   return {pose.world(edges.positions.row(k).transpose()), pose.rotation * edges.normals.row(k).transpose()};
 }
 
@@ -101,11 +119,24 @@ EdgePoints mesh_edge_points(const MeshShape& mesh) {
   return edges;
 }
 
+EdgePoints riding_edge_points(const TriangleShape& shape) {
+  if (!shape.edge_points) return {Points(0, 3), Points(0, 3)};
+  const Eigen::Index count = shape.edge_points->share.size();
+  EdgePoints edges{Points(count, 3), Points(count, 3), shape.edge_points};
+  for (int k = 0; k < int(count); ++k) {
+    const RiderAt rider = rider_at(*shape.edge_points, *shape.surface, k);
+    edges.positions.row(k) = rider.place.transpose();
+    edges.normals.row(k) = rider.normal.transpose();
+  }
+  return edges;
+}
+
 }  // namespace
 
 EdgePoints edge_points(const ObstacleShape& shape, double spacing) {
   if (const Block* block = std::get_if<Block>(&shape)) return block_edge_points(*block, spacing);
   if (const MeshShape* mesh = std::get_if<MeshShape>(&shape)) return mesh_edge_points(*mesh);
+  if (const TriangleShape* triangles = std::get_if<TriangleShape>(&shape)) return riding_edge_points(*triangles);
   return {Points(0, 3), Points(0, 3)};
 }
 

@@ -14,7 +14,7 @@
 
 namespace umax {
 
-/// Sample points along the shape's edges at most `spacing` [m] apart (a mesh brings its own); none for round shapes.
+/// Sample points along the shape's edges at most `spacing` [m] apart (meshes bring their own); none for round shapes.
 EdgePoints edge_points(const ObstacleShape& shape, double spacing);
 
 /// For each hex and obstacle, the deepest edge point with gap < -share * tolerance_depth, of bodies with a rest

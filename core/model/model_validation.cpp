@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/model/model.h"
+#include "core/model/rest_surface.h"
 
 namespace umax {
 namespace {
@@ -96,6 +97,13 @@ void validate_shape(const ObstacleShape& shape, const std::string& where) {
   if (const MeshShape* mesh = std::get_if<MeshShape>(&shape))
     if (!mesh->distance || mesh->distance->size.minCoeff() < 2 || !(mesh->distance->spacing > 0))
       fail(where + ".mesh", "needs a sampled distance", 0, "fill it from the mesh");
+  if (const TriangleShape* triangles = std::get_if<TriangleShape>(&shape)) {
+    if (!triangles->surface || triangles->surface->triangles.rows() == 0)
+      fail(where + ".mesh", "needs triangles with area", 0, "give another mesh");
+    require_not_negative(triangles->thickness, where + ".thickness", "give e.g. \"2 cm\"");
+    if (!triangles->is_closed)
+      require_positive(triangles->thickness, where + ".thickness", "an open mesh needs one: give e.g. \"2 cm\"");
+  }
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include "core/base/overloaded.h"
 #include "core/element/rotation.h"
+#include "core/model/deformation.h"
+#include "core/model/rest_surface.h"
 
 namespace umax {
 namespace {
@@ -48,10 +50,23 @@ DistanceSample interpolate(const SampledDistance& grid, const Vector3d& p) {
   return {value, length > 0 ? Vector3d(gradient / length) : Vector3d(Vector3d::UnitY())};
 }
 
+DistanceSample distance_to_triangles(const TriangleShape& shape, const Vector3d& p) {
+  const SurfaceHit hit = nearest_point(*shape.surface, p, std::numeric_limits<double>::infinity());
+  const bool turns = !shape.is_closed && hit.distance < 0;
+  return {(turns ? -hit.distance : hit.distance) - shape.thickness / 2, turns ? Vector3d(-hit.normal) : hit.normal};
+}
+
 }  // namespace
 
 Pose pose_at(const Obstacle& obstacle, double time) {
   return {rotation_from_degrees(obstacle.rotation_degrees.at(time)), obstacle.position.at(time)};
+}
+
+ObstacleAt obstacle_at(const Obstacle& obstacle, double time) {
+  // a shape that stays belongs to the obstacle
+  return {pose_at(obstacle, time),
+          obstacle.deformation ? obstacle.deformation->shape_at(time)
+                               : std::shared_ptr<const ObstacleShape>(std::shared_ptr<void>(), &obstacle.shape)};
 }
 
 DistanceSample signed_distance(const SampledDistance& grid, const Vector3d& point) {
@@ -70,13 +85,14 @@ DistanceSample signed_distance(const ObstacleShape& shape, const Vector3d& p) {
   return std::visit(Overloaded{[&](const HalfSpace&) { return DistanceSample{p.y(), Vector3d::UnitY()}; },
                                [&](const Ball& ball) { return distance_to_ball(ball, p); },
                                [&](const Block& block) { return distance_to_block(block, p); },
-                               [&](const MeshShape& mesh) { return signed_distance(*mesh.distance, p); }},
+                               [&](const MeshShape& mesh) { return signed_distance(*mesh.distance, p); },
+                               [&](const TriangleShape& triangles) { return distance_to_triangles(triangles, p); }},
                     shape);
 }
 
 double highest_point_below(const Obstacle& obstacle, double time, const Vector3d& footprint_min,
                            const Vector3d& footprint_max) {
-  const Pose pose = pose_at(obstacle, time);
+  const auto [pose, shape] = obstacle_at(obstacle, time);
   if (std::holds_alternative<HalfSpace>(obstacle.shape)) {
     // highest corner of the footprint on the tilted plane; a vertical plane has no top
     const Vector3d normal = pose.rotation.col(1);
@@ -99,7 +115,7 @@ double highest_point_below(const Obstacle& obstacle, double time, const Vector3d
       Vector3d p(footprint_min.x() + (footprint_max.x() - footprint_min.x()) * a / (samples - 1), high,
                  footprint_min.z() + (footprint_max.z() - footprint_min.z()) * b / (samples - 1));
       for (int march = 0; march < 200 && p.y() > top && p.y() > -1e4; ++march) {
-        const double distance = signed_distance(obstacle.shape, pose.local(p)).distance;
+        const double distance = signed_distance(*shape, pose.local(p)).distance;
         if (distance < 1e-6) {
           top = p.y();
           break;

@@ -1,4 +1,4 @@
-// Obstacles, the rigid things that bodies fall on: closed shapes with a signed distance, at rest or keyframed.
+// Obstacles, the things that bodies fall on: shapes with a signed distance, at rest, keyframed, or animated elsewhere.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,9 @@
 #include "core/base/types.h"
 
 namespace umax {
+
+struct RestSurface;
+class Deformation;
 
 struct HalfSpace {};  // y <= 0 in the obstacle's own frame
 struct Ball {
@@ -29,7 +32,19 @@ struct MeshShape {
   std::shared_ptr<const SampledDistance> distance;
   Points edge_points;  // #P x 3 [m] points along its sharp edges and corners, tested against the body's surface
 };
-using ObstacleShape = std::variant<HalfSpace, Ball, Block, MeshShape>;
+/// Points on edges of triangles, which they move with.
+struct EdgeRiders {
+  VectorXi from, to;  // #P vertices at the edge's ends
+  VectorXd share;     // #P [-] of the way from one to the other
+};
+/// Triangles, measured exactly: what is animated, at an instant.
+struct TriangleShape {
+  std::shared_ptr<const RestSurface> surface;
+  double thickness = 0;                           // [m] half of it lies on each side of the triangles
+  bool is_closed = true;                          // it has an inside; else both sides push
+  std::shared_ptr<const EdgeRiders> edge_points;  // along its sharp edges; null: none
+};
+using ObstacleShape = std::variant<HalfSpace, Ball, Block, MeshShape, TriangleShape>;
 
 struct Obstacle {
   std::string name;
@@ -37,6 +52,7 @@ struct Obstacle {
   double friction = 0;                                  // [-] Coulomb coefficient; a pair takes the larger one
   Track<Vector3d> position{Vector3d(0, 0, 0)};          // [m] of the shape's origin
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};  // about world X, then Y, then Z
+  std::shared_ptr<const Deformation> deformation = {};  // of triangles, whose shape is then that at rest; null: none
 };
 
 struct Pose {
@@ -47,12 +63,19 @@ struct Pose {
 };
 Pose pose_at(const Obstacle& obstacle, double time);
 
+/// An obstacle at an instant. It must not outlive the obstacle.
+struct ObstacleAt {
+  Pose pose;
+  std::shared_ptr<const ObstacleShape> shape;
+};
+ObstacleAt obstacle_at(const Obstacle& obstacle, double time);
+
 struct DistanceSample {
   double distance = 0;                    // [m] negative inside
   Vector3d gradient = Vector3d::UnitY();  // unit outward direction
 };
 /// Distance of a point in the shape's own frame; outside a sampled grid: the distance to the grid's box plus the edge
-/// value.
+/// value; of triangles that are not closed: from their nearest side.
 DistanceSample signed_distance(const ObstacleShape& shape, const Vector3d& local_point);
 DistanceSample signed_distance(const SampledDistance& grid, const Vector3d& point);
 

@@ -173,6 +173,18 @@ void prepare_cache(RestSurface& surface) {
     cache.values[i].store(std::numeric_limits<float>::quiet_NaN(), std::memory_order_relaxed);
 }
 
+// children come after their parents
+void refit_tree(RestSurface& surface) {
+  for (std::size_t i = surface.nodes.size(); i-- > 0;) {
+    RestSurface::Node& node = surface.nodes[i];
+    node.box.setEmpty();
+    if (node.count == 0)
+      node.box = surface.nodes[std::size_t(node.first)].box.merged(surface.nodes[std::size_t(node.first) + 1].box);
+    for (int k = node.first; k < node.first + node.count; ++k)
+      for (int corner = 0; corner < 3; ++corner) node.box.extend(corner_of(surface, surface.order[k], corner));
+  }
+}
+
 }  // namespace
 
 RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles) {
@@ -182,6 +194,17 @@ RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles
   build_tree(surface);
   prepare_cache(surface);
   return surface;
+}
+
+RestSurface moved_surface(const RestSurface& surface, const Points& vertices) {
+  RestSurface moved;
+  moved.vertices = vertices;
+  moved.triangles = surface.triangles;
+  moved.nodes = surface.nodes;
+  moved.order = surface.order;
+  find_normals(moved);
+  refit_tree(moved);
+  return moved;
 }
 
 }  // namespace umax

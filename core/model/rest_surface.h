@@ -49,6 +49,9 @@ inline Vector3d corner_of(const RestSurface& surface, int t, int k) {
 /// is that of the triangles there.
 RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles);
 
+/// The same triangles with all vertices elsewhere [m]: their normals are new, and the hierarchy's boxes. It has no cache.
+RestSurface moved_surface(const RestSurface& surface, const Points& vertices);
+
 struct SurfaceHit {
   int triangle = -1;                    // -1: none
   Vector3d point = Vector3d::Zero();    // [m] nearest of the surface

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/contact/moving_obstacle.h"
 #include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
@@ -21,6 +22,7 @@ namespace {
 
 constexpr int most_parts = 8;  // of the way of bodies towards each other, half a cell each, in one solve
 constexpr int most_fast_halvings = 8;
+constexpr double longest_animated_way = 1;  // [cells] of an animated obstacle near a body in one solve
 
 // kinetic, elastic (true energy, whatever the limit measures) and gravitational energy
 void measure_energies(const Model& model, const StepOptions& options, const State& state, StepReport& report) {
@@ -70,6 +72,14 @@ bool moves_too_fast(const Model& model, const ContactGeometry& geometry, const S
          most_parts;
 }
 
+// Does an animated obstacle move so far near a body that it might come through it?
+bool obstacles_move_too_fast(const Model& model, const StepOptions& options, const State& state) {
+  const auto is_animated = [](const Obstacle& obstacle) { return obstacle.deformation != nullptr; };
+  if (std::none_of(model.obstacles.begin(), model.obstacles.end(), is_animated)) return false;
+  const Points expected = state.positions + options.time_step * state.velocities;
+  return animated_way(model, state.positions, expected, state.time, options.time_step) > longest_animated_way;
+}
+
 // how often a step may still be halved: where it does not converge, and where bodies move too fast
 struct Halvings {
   int failed = 0, fast = 0;
@@ -91,7 +101,8 @@ StepReport advance_halves(const Model& model, const StepOptions& options, const 
 StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
                    State& state, Halvings left) {
   const bool exact = options.solver.method == SolverMethod::exact;
-  if (exact && left.fast > 0 && moves_too_fast(model, data.contact_geometry, options, state))
+  if (left.fast > 0 && (obstacles_move_too_fast(model, options, state) ||
+                        (exact && moves_too_fast(model, data.contact_geometry, options, state))))
     return advance_halves(model, options, plan, data, state, {left.failed, left.fast - 1});
   const State start = state;
   const StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);

@@ -151,23 +151,28 @@ SampledDistance make_distance_grid(const TriangleMesh& mesh, const DistanceGridO
   return grid;
 }
 
+std::vector<std::array<int, 2>> sharp_edges(const TriangleMesh& mesh, double dihedral_degrees) {
+  const double min_cosine = std::cos(dihedral_degrees * std::numbers::pi / 180);
+  std::vector<std::array<int, 2>> edges;
+  for_each_edge(edge_uses(mesh.triangles, weld(mesh.positions)), [&](auto first, auto last) {
+    if (last - first == 1 || (last - first == 2 && is_sharp(mesh, first[0].triangle, first[1].triangle, min_cosine)))
+      edges.push_back({first->low, first->high});
+  });
+  return edges;
+}
+
 Points sharp_edge_points(const TriangleMesh& mesh, const SharpEdgeOptions& options) {
   if (!(options.spacing > 0))
     throw Error(Fault::bad_data, {"edge points", "need a positive spacing", std::to_string(options.spacing), ""});
-  const std::vector<int> welded = weld(mesh.positions);
-  const double min_cosine = std::cos(options.dihedral_degrees * std::numbers::pi / 180);
-  std::vector<char> end_taken(welded.size(), 0);
+  std::vector<char> end_taken(std::size_t(mesh.num_vertices()), 0);
   std::vector<Vector3d> points;
-  for_each_edge(edge_uses(mesh.triangles, welded), [&](auto first, auto last) {
-    const bool sharp =
-        last - first == 1 || (last - first == 2 && is_sharp(mesh, first[0].triangle, first[1].triangle, min_cosine));
-    if (!sharp) return;
-    const Vector3d a = mesh.positions.row(first->low), b = mesh.positions.row(first->high);
-    for (int end : {first->low, first->high})
+  for (const auto& [low, high] : sharp_edges(mesh, options.dihedral_degrees)) {
+    const Vector3d a = mesh.positions.row(low), b = mesh.positions.row(high);
+    for (const int end : {low, high})
       if (!std::exchange(end_taken[std::size_t(end)], 1)) points.push_back(mesh.positions.row(end));
     const int parts = std::max(1, int(std::ceil((b - a).norm() / options.spacing)));
     for (int k = 1; k < parts; ++k) points.push_back(a + (b - a) * (double(k) / parts));
-  });
+  }
   Points result(Eigen::Index(points.size()), 3);
   for (std::size_t p = 0; p < points.size(); ++p) result.row(Eigen::Index(p)) = points[p];
   return result;

@@ -2,6 +2,7 @@
 // edges.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct SharpEdgeOptions {
   double spacing = 0.02;         // [m] largest distance between points along an edge
   double dihedral_degrees = 30;  // [deg] an edge is sharp when its triangles' normals differ by more
 };
+
+/// The ends of the sharp convex edges and of open borders, as the lowest vertices at their places.
+std::vector<std::array<int, 2>> sharp_edges(const TriangleMesh& mesh,
+                                            double dihedral_degrees = SharpEdgeOptions().dihedral_degrees);
 
 /// Points along the sharp convex edges, corners included, and along open borders; #P x 3 [m], no two at the same place.
 Points sharp_edge_points(const TriangleMesh& mesh, const SharpEdgeOptions& options = {});

@@ -49,7 +49,8 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
     {"render/trace", {"render/scene"}},
     {"render/raster", {"render/scene"}},
 
-    {"scenes", {"core/problem", "core/files", "embedding/hex_files", "embedding/maps", "render/scene"}},
+    {"scenes",
+     {"core/problem", "core/files", "embedding/caches", "embedding/hex_files", "embedding/maps", "render/scene"}},
 
     {"tools/system", {"core/base", "core/files"}},
     {"tools/import", {"embedding/foreign_files"}},

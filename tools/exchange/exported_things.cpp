@@ -77,9 +77,8 @@ TriangleMesh ground_square(const Simulation& simulation) {
   return make_plane(10 * box.diagonal().norm());
 }
 
-TriangleMesh mesh_of(const Simulation& simulation, std::size_t obstacle) {
-  const ObstacleSetup& setup = simulation.obstacles[obstacle];
-  return setup.mesh ? *setup.mesh : ground_square(simulation);
+TriangleMesh mesh_of(const Simulation& simulation, std::size_t obstacle, double time) {
+  return simulation.obstacles[obstacle].mesh ? *obstacle_mesh(simulation, obstacle, time) : ground_square(simulation);
 }
 
 TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
@@ -96,10 +95,11 @@ ExportedThing obstacle_thing(const Simulation& simulation, std::size_t index, co
       .stem = "obstacle." + description.name,
       .body = {},
       .obstacle = index,
-      .surface = surface_of(description.name, moved(mesh_of(simulation, index), pose), description.look, options),
+      .surface = surface_of(description.name, moved(mesh_of(simulation, index, 0), pose), description.look, options),
       .texture = {}};
   thing.surface.material.library = thing.stem + ".mtl";
-  thing.surface.moves = !description.position.is_constant() || !description.rotation_degrees.is_constant();
+  thing.surface.moves = !description.position.is_constant() || !description.rotation_degrees.is_constant() ||
+                        !description.cache.path.empty();
   return thing;
 }
 
@@ -137,11 +137,13 @@ bool is_wanted_obstacle(const Scene& scene, const std::vector<std::string>& name
   return is_wanted(names, "obstacle." + obstacle.name) || (!is_body && is_wanted(names, obstacle.name));
 }
 
-/// Velocities [m/s] of an obstacle's vertices: of its keyed motion, by a central difference.
-Points velocities_of(const TriangleMesh& mesh, const Obstacle& obstacle, double time) {
+/// Velocities [m/s] of an obstacle's vertices: of its motion, by a central difference.
+Points velocities_of(const Simulation& simulation, std::size_t index, double time) {
   constexpr double h = 1e-4;  // [s]
-  return (moved(mesh, pose_at(obstacle, time + h)).positions - moved(mesh, pose_at(obstacle, time - h)).positions) /
-         (2 * h);
+  const auto positions_at = [&](double at) {
+    return moved(mesh_of(simulation, index, at), pose_at(simulation.model.obstacles[index], at)).positions;
+  };
+  return (positions_at(time + h) - positions_at(time - h)) / (2 * h);
 }
 
 void sample_body(const Simulation& simulation, const ExportedThing& thing, const ExportOptions& options,
@@ -168,15 +170,14 @@ void sample_obstacle(const Simulation& simulation, const ExportedThing& thing, c
                      const State& state, SurfaceFrame& frame) {
   const Obstacle& obstacle = simulation.model.obstacles[*thing.obstacle];
   const FormatTraits& format = traits_of(options.format);
-  const TriangleMesh own = mesh_of(simulation, *thing.obstacle);
-  TriangleMesh mesh = moved(own, pose_at(obstacle, state.time));
+  TriangleMesh mesh = moved(mesh_of(simulation, *thing.obstacle, state.time), pose_at(obstacle, state.time));
   if (format.has_normals) {
     if (mesh.normals.rows() == 0) compute_normals(mesh);
     frame.normals = exported(mesh.normals, options, 1);
   }
   frame.positions = exported(mesh.positions, options, options.scale);
   if (format.has_velocities)
-    frame.velocities = exported(velocities_of(own, obstacle, state.time), options, options.scale);
+    frame.velocities = exported(velocities_of(simulation, *thing.obstacle, state.time), options, options.scale);
 }
 
 }  // namespace

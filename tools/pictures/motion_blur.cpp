@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "core/model/deformation.h"
+
 namespace umax {
 namespace {
 
@@ -37,11 +39,23 @@ double turn_between(const Pose& a, const Pose& b) {
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-/// Poses at even times, as many as the turning needs; none when the obstacle stands still.
-std::vector<Pose> poses_while_open(const Obstacle& obstacle, double begin, double end) {
+/// Does the obstacle's own shape change in that time, and into how many even parts must it be cut to be followed?
+int parts_of_deformation(const Obstacle& obstacle, double begin, double end) {
+  constexpr int parts_of_sample = 2, most_parts = 64;
+  if (!obstacle.deformation) return 0;
+  const std::vector<double>& times = obstacle.deformation->motion().times;
+  if (end <= times.front() || begin >= times.back()) return 0;
+  const auto samples =
+      std::upper_bound(times.begin(), times.end(), end) - std::lower_bound(times.begin(), times.end(), begin);
+  return std::min(int(samples + 1) * parts_of_sample, most_parts);
+}
+
+/// Even times at which the obstacle is drawn, as many as its turning and its deformation need; none when it stands still.
+std::vector<double> times_while_open(const Obstacle& obstacle, double begin, double end) {
+  const auto time_of = [&](int k, int count) { return begin + (end - begin) * k / count; };
   const auto poses = [&](int count) {
     std::vector<Pose> found;
-    for (int k = 0; k <= count; ++k) found.push_back(pose_at(obstacle, begin + (end - begin) * k / count));
+    for (int k = 0; k <= count; ++k) found.push_back(pose_at(obstacle, time_of(k, count)));
     return found;
   };
   const std::vector<Pose> few = poses(8);
@@ -51,7 +65,11 @@ std::vector<Pose> poses_while_open(const Obstacle& obstacle, double begin, doubl
     turn += turn_between(few[k - 1], few[k]);
     moves = moves || few[k].translation != few[0].translation || few[k].rotation != few[0].rotation;
   }
-  return moves ? poses(std::clamp(int(std::ceil(turn / largest_turn)), 2, 64)) : std::vector<Pose>();
+  const int deformations = parts_of_deformation(obstacle, begin, end);
+  const int count = std::max(moves ? std::clamp(int(std::ceil(turn / largest_turn)), 2, 64) : 0, deformations);
+  std::vector<double> times;
+  for (int k = 0; count > 0 && k <= count; ++k) times.push_back(time_of(k, count));
+  return times;
 }
 
 }  // namespace
@@ -68,10 +86,10 @@ void add_motion(const Simulation& simulation, const Stage& stage, const std::vec
   for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
     if (!simulation.scene.obstacles[i].visible) continue;
     SurfaceMotion& motion = shot.objects[object++].motion;
-    for (const Pose& pose :
-         poses_while_open(simulation.model.obstacles[i], time_of(exposure.opens), time_of(exposure.closes)))
-      motion.instants.push_back(
-          std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), pose)));
+    const Obstacle& obstacle = simulation.model.obstacles[i];
+    for (const double time : times_while_open(obstacle, time_of(exposure.opens), time_of(exposure.closes)))
+      motion.instants.push_back(std::make_shared<const TriangleMesh>(
+          moved(*obstacle_surface(simulation, stage, i, time), pose_at(obstacle, time))));
   }
 }
 

@@ -78,7 +78,7 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
     const Pose pose = pose_at(simulation.model.obstacles[i], time);
     shot.objects.push_back(
         {.name = description.name,
-         .mesh = std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), pose)),
+         .mesh = std::make_shared<const TriangleMesh>(moved(*obstacle_surface(simulation, stage, i, time), pose)),
          .look = description.look});
   }
 }
@@ -92,9 +92,9 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
   return out;
 }
 
-const TriangleMesh& obstacle_surface(const Simulation& simulation, const Stage& stage, std::size_t obstacle) {
-  const auto& mesh = simulation.obstacles[obstacle].mesh;
-  return mesh ? *mesh : *stage.ground;
+std::shared_ptr<const TriangleMesh> obstacle_surface(const Simulation& simulation, const Stage& stage,
+                                                     std::size_t obstacle, double time) {
+  return simulation.obstacles[obstacle].mesh ? obstacle_mesh(simulation, obstacle, time) : stage.ground;
 }
 
 AreaLight area_light(const LightDescription& description) {

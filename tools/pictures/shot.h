@@ -37,8 +37,9 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
 RenderScene make_shot(const Simulation& simulation, const Stage& stage, const State& state, const Camera& camera,
                       const VectorXd& values);
 
-/// The surface of an obstacle in its own frame [m].
-const TriangleMesh& obstacle_surface(const Simulation& simulation, const Stage& stage, std::size_t obstacle);
+/// The surface of an obstacle at a time [s], in its own frame [m].
+std::shared_ptr<const TriangleMesh> obstacle_surface(const Simulation& simulation, const Stage& stage,
+                                                     std::size_t obstacle, double time);
 
 /// A mesh in another place.
 TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose);

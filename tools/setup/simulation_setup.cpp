@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/model/deformation.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/linear_plan.h"
 #include "embedding/cage/hex_cage.h"
@@ -16,6 +17,7 @@
 #include "embedding/surface/placement.h"
 #include "embedding/surface/shapes.h"
 #include "embedding/surface/wall_thickness.h"
+#include "tools/setup/animated_mesh.h"
 #include "tools/setup/body_contact.h"
 #include "tools/setup/body_look.h"
 #include "tools/setup/body_maps.h"
@@ -146,7 +148,9 @@ Body make_body(const BodyDescription& description, const BodySetup& setup, bool 
 }
 
 bool has_edges(const Obstacle& obstacle) {
-  return std::holds_alternative<Block>(obstacle.shape) || std::holds_alternative<MeshShape>(obstacle.shape);
+  const auto* triangles = std::get_if<TriangleShape>(&obstacle.shape);
+  return std::holds_alternative<Block>(obstacle.shape) || std::holds_alternative<MeshShape>(obstacle.shape) ||
+         (triangles && triangles->edge_points && triangles->edge_points->share.size() > 0);
 }
 
 /// The probes in their bodies' lattices, with the model's hex numbers.
@@ -178,10 +182,10 @@ EmbeddedPoints embed_probes(const Scene& scene, const std::vector<BodySetup>& bo
 void warn_of_penetration(const Simulation& simulation, std::vector<std::string>& warnings) {
   for (const BodySetup& body : simulation.bodies)
     for (const Obstacle& obstacle : simulation.model.obstacles) {
-      const Pose pose = pose_at(obstacle, 0);
+      const auto [pose, shape] = obstacle_at(obstacle, 0);
       double deepest = 0;
       for (const auto& point : body.shape.mesh.positions.rowwise())
-        deepest = std::min(deepest, signed_distance(obstacle.shape, pose.local(point.transpose())).distance);
+        deepest = std::min(deepest, signed_distance(*shape, pose.local(point.transpose())).distance);
       if (deepest < -1e-6)
         warnings.push_back(
             fmt::format("body.{} starts {:.4g} m deep inside obstacle.{} and will be pushed out slowly; raise its "
@@ -220,6 +224,37 @@ void take_mesh(TriangleMesh mesh, Obstacle& obstacle, ObstacleSetup& setup) {
   setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
 }
 
+// an obstacle of the mesh that the description names
+void place_mesh(const ObstacleDescription& description, const ClipDescription& clip, Obstacle& obstacle,
+                ObstacleSetup& setup, ShapeLibrary& library) {
+  const auto own = own_shape(std::get<MeshSource>(description.shape), library);
+  TriangleMesh mesh = own->mesh;
+  const Placed placed = place(
+      mesh,
+      {.unit = own->unit, .up = own->up, .height = description.height, .scale = description.scale, .position = {}});
+  compute_normals(mesh);
+  if (description.cache.path.empty()) return take_mesh(std::move(mesh), obstacle, setup);
+  MeshMotion motion = read_motion(description.cache, mesh.num_vertices(), placed.placed_from_own, clip, setup.notes);
+  animate(mesh, std::move(motion), description.thickness, obstacle, setup.notes);
+  setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
+// Says which animations are so fast that steps are halved where they meet a body.
+void warn_of_fast_animations(const Model& model, double time_step, std::vector<std::string>& warnings) {
+  double cell = std::numeric_limits<double>::infinity();
+  for (int b = 0; b < int(model.bodies.size()); ++b)
+    if (touches_obstacles(model, b)) cell = std::min(cell, model.bodies[b].cell_size);
+  for (const Obstacle& obstacle : model.obstacles) {
+    const double speed = obstacle.deformation ? largest_speed(obstacle.deformation->motion()) : 0;
+    if (speed * time_step <= cell) continue;
+    warnings.push_back(
+        fmt::format("obstacle.{} moves by up to {:.3g} m/s, {:.2g} cells in a step: where it comes near "
+                    "a body, a step is made of several (column substeps of steps.csv); more "
+                    "clip.substeps avoid it",
+                    obstacle.name, speed, speed * time_step / cell));
+  }
+}
+
 }  // namespace
 
 CageOptions cage_options(const CageDescription& cage) {
@@ -230,7 +265,8 @@ CageOptions cage_options(const CageDescription& cage) {
   return options;
 }
 
-Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup, ShapeLibrary& library) {
+Obstacle make_obstacle(const ObstacleDescription& description, const ClipDescription& clip, ObstacleSetup& setup,
+                       ShapeLibrary& library) {
   Obstacle obstacle;
   obstacle.name = description.name;
   obstacle.friction = description.friction;
@@ -249,13 +285,7 @@ Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& se
               setup);
   } else {
     named("obstacle." + description.name, [&] {
-      const auto own = own_shape(std::get<MeshSource>(description.shape), library);
-      TriangleMesh mesh = own->mesh;
-      place(
-          mesh,
-          {.unit = own->unit, .up = own->up, .height = description.height, .scale = description.scale, .position = {}});
-      compute_normals(mesh);
-      take_mesh(std::move(mesh), obstacle, setup);
+      place_mesh(description, clip, obstacle, setup, library);
       return 0;
     });
   }
@@ -272,7 +302,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   ShapeLibrary library;
   std::vector<Obstacle> obstacles;
   for (const ObstacleDescription& description : scene.obstacles)
-    obstacles.push_back(make_obstacle(description, simulation.obstacles.emplace_back(), library));
+    obstacles.push_back(make_obstacle(description, scene.clip, simulation.obstacles.emplace_back(), library));
   for (std::size_t i = 0; i < obstacles.size(); ++i)
     for (const std::string& note : simulation.obstacles[i].notes)
       simulation.warnings.push_back("obstacle." + obstacles[i].name + ": " + note);
@@ -304,11 +334,22 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   simulation.probes = embed_probes(scene, simulation.bodies);
   simulation.digest = model_digest(simulation.model, simulation.options);
   warn_of_penetration(simulation, simulation.warnings);
+  warn_of_fast_animations(simulation.model, simulation.options.time_step, simulation.warnings);
   warn_of_open_meshes(simulation.model, simulation.warnings);
   warn_of_paper_method(simulation.model, scene.solver.method, simulation.warnings);
   warn_of_overlaps(simulation.model, simulation.warnings);
   warn_of_sudden_limits(simulation, simulation.warnings);
   return simulation;
+}
+
+std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time) {
+  const auto& rest = simulation.obstacles[obstacle].mesh;
+  const auto& deformation = simulation.model.obstacles[obstacle].deformation;
+  if (!deformation) return rest;
+  auto mesh = std::make_shared<TriangleMesh>(*rest);
+  mesh->positions = positions_at(deformation->motion(), time);
+  compute_normals(*mesh);
+  return mesh;
 }
 
 std::vector<Vector3d> probe_positions(const Simulation& simulation, const Points& nodes) {

@@ -38,7 +38,7 @@ struct BodySetup {
 };
 
 struct ObstacleSetup {
-  std::shared_ptr<const TriangleMesh> mesh;  // in the obstacle's own frame [m]; null: a half space
+  std::shared_ptr<const TriangleMesh> mesh;  // at rest, in the obstacle's own frame [m]; null: a half space
   std::vector<std::string> notes;            // for the user: what contact will not feel of it
 };
 
@@ -57,8 +57,12 @@ struct Simulation {
 /// The cage options that a scene's cage key means; not for cage.mesh.
 CageOptions cage_options(const CageDescription& cage);
 
-/// The model's obstacle and the mesh to draw it. Throws Error naming the obstacle.
-Obstacle make_obstacle(const ObstacleDescription& description, ObstacleSetup& setup, ShapeLibrary& library);
+/// The model's obstacle and the mesh to draw it. clip: for what is animated. Throws Error naming the obstacle.
+Obstacle make_obstacle(const ObstacleDescription& description, const ClipDescription& clip, ObstacleSetup& setup,
+                       ShapeLibrary& library);
+
+/// The mesh of an obstacle that has one as it is at a time [s], in the obstacle's own frame [m], with normals.
+std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time);
 
 /// Called with the bodies so far whenever one has its cage; may throw before more memory is taken.
 using CageWatch = std::function<void(const std::vector<BodySetup>&)>;

@@ -7,6 +7,7 @@
 #include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
+#include "core/model/deformation.h"
 
 namespace umax {
 namespace {
@@ -91,6 +92,25 @@ void add_shape(Writer& out, const MeshShape& mesh) {
   add_distance(out, mesh.distance.get());
   out.put_matrix(mesh.edge_points);
 }
+void add_shape(Writer& out, const TriangleShape& shape) {
+  const auto& [surface, thickness, is_closed, edge_points] = shape;
+  out.put_matrix(surface->vertices);
+  out.put_matrix(surface->triangles);
+  out.put_all(thickness, is_closed, std::uint8_t(edge_points != nullptr));
+  if (!edge_points) return;
+  out.put_matrix(edge_points->from);
+  out.put_matrix(edge_points->to);
+  out.put_matrix(edge_points->share);
+}
+
+void add_motion(Writer& out, const MeshMotion& motion) {
+  const auto& [times, samples, num_vertices, placed_from_own] = motion;
+  out.put(std::uint64_t(times.size()));
+  out.put_bytes(times.data(), times.size() * sizeof(double));
+  out.put_bytes(samples.data(), samples.size() * sizeof(float));
+  out.put(std::int64_t(num_vertices));
+  out.put_matrix(placed_from_own.matrix());
+}
 
 void add_material(Writer& out, const MaterialOptions& material) {
   const auto& [young, poisson, density, mass, damping_mass, damping_stiffness] = material;
@@ -136,13 +156,14 @@ void add_pair(Writer& out, const BodyPair& pair) {
 }
 
 void add_obstacle(Writer& out, const Obstacle& obstacle) {
-  const auto& [name, shape, friction, position, rotation_degrees] = obstacle;
+  const auto& [name, shape, friction, position, rotation_degrees, deformation] = obstacle;
   out.put_bytes(name.data(), name.size());
   out.put(std::uint64_t(shape.index()));
   std::visit([&out](const auto& kind) { add_shape(out, kind); }, shape);
   out.put(friction);
   add_track(out, position);
   add_track(out, rotation_degrees);
+  if (deformation) add_motion(out, deformation->motion());
 }
 
 void add_options(Writer& out, const StepOptions& options) {
