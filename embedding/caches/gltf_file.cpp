@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <numbers>
 
 #include "embedding/caches/bytes.h"
@@ -29,22 +30,27 @@ std::string joined(const std::string& list, const std::string& item) {
   return list.empty() ? item : list + ",\n" + item;
 }
 
-std::string material_text(const SurfaceMaterial& material, const std::string& name) {
+/// textures: of the file, whose numbers materials name.
+std::string material_text(const SurfaceMaterial& material, const std::vector<std::string>& textures) {
   const bool is_white = material.vertex_colors;
   const Vector3f color = is_white ? Vector3f(1, 1, 1) : material.base_color.cwiseMin(1).cwiseMax(0).eval();
   std::string pbr = fmt::format("\"baseColorFactor\":[{},{},{},1],\"metallicFactor\":{},\"roughnessFactor\":{}",
                                 color.x(), color.y(), color.z(), material.metallic, material.roughness);
-  if (!material.texture.empty()) pbr += ",\"baseColorTexture\":{\"index\":0}";
+  const auto texture = std::find(textures.begin(), textures.end(), material.texture);
+  if (texture != textures.end())
+    pbr += fmt::format(",\"baseColorTexture\":{{\"index\":{}}}", texture - textures.begin());
   std::string extensions = fmt::format("\"KHR_materials_ior\":{{\"ior\":{}}}", material.ior);
   if (material.clearcoat > 0)
     extensions += fmt::format(",\"KHR_materials_clearcoat\":{{\"clearcoatFactor\":{},\"clearcoatRoughnessFactor\":{}}}",
                               material.clearcoat, material.clearcoat_roughness);
   return fmt::format("{{\"name\":\"{}\",\"doubleSided\":true,\"pbrMetallicRoughness\":{{{}}},\"extensions\":{{{}}}}}",
-                     name, pbr, extensions);
+                     material.name, pbr, extensions);
 }
 
-std::string extensions_used(const SurfaceMaterial& material) {
-  return std::string("\"KHR_materials_ior\"") + (material.clearcoat > 0 ? ",\"KHR_materials_clearcoat\"" : "");
+std::string extensions_used(const std::vector<SurfaceMaterial>& materials) {
+  const bool has_coat = std::any_of(materials.begin(), materials.end(),
+                                    [](const SurfaceMaterial& material) { return material.clearcoat > 0; });
+  return std::string("\"KHR_materials_ior\"") + (has_coat ? ",\"KHR_materials_clearcoat\"" : "");
 }
 
 std::string camera_text(const ClipCamera& camera) {
@@ -102,10 +108,22 @@ int GltfWriter::add_points(const FloatPoints& values, bool with_range) {
   return add_accessor(bytes_of(values), values.rows(), "VEC3", float_numbers, vertex_data, range);
 }
 
+/// Of each material its triangles.
+void GltfWriter::write_indices() {
+  for (std::size_t material = 0; material < surface_->materials.size(); ++material) {
+    const std::vector<int> triangles = surface_->triangles_of(material);
+    if (triangles.empty()) continue;
+    std::vector<std::uint32_t> corners;
+    corners.reserve(3 * triangles.size());
+    for (const int t : triangles)
+      for (int k = 0; k < 3; ++k) corners.push_back(std::uint32_t(split_.triangles(t, k)));
+    parts_.push_back({material, add_accessor(bytes_of(corners), Eigen::Index(corners.size()), "SCALAR",
+                                             unsigned_numbers, index_data)});
+  }
+}
+
 void GltfWriter::write_first(const SurfaceFrame& frame) {
-  const Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor> triangles =
-      split_.triangles.cast<std::uint32_t>();
-  indices_ = add_accessor(bytes_of(triangles), triangles.size(), "SCALAR", unsigned_numbers, index_data);
+  write_indices();
   first_positions_ = split_values(split_, frame.positions);
   first_normals_ = split_values(split_, frame.normals);
   attributes_ = fmt::format("\"POSITION\":{},\"NORMAL\":{}", add_points(first_positions_, true),
@@ -117,7 +135,7 @@ void GltfWriter::write_first(const SurfaceFrame& frame) {
     attributes_ += fmt::format(",\"TEXCOORD_0\":{}", add_accessor(bytes_of(coordinates), coordinates.rows(), "VEC2",
                                                                   float_numbers, vertex_data));
   }
-  if (surface_->material.vertex_colors)
+  if (surface_->materials.front().vertex_colors)
     attributes_ += fmt::format(",\"COLOR_0\":{}", add_points(split_values(split_, surface_->colors), false));
 }
 
@@ -160,12 +178,12 @@ std::string GltfWriter::animation_text() {
 }
 
 std::string GltfWriter::mesh_text() const {
-  std::string text = fmt::format(
-      "\"meshes\":[{{\"name\":\"{}\",\"primitives\":[{{\"attributes\":{{{}}},\"indices\":{},"
-      "\"material\":0",
-      surface_->name, attributes_, indices_);
-  if (!targets_.empty()) text += ",\"targets\":[" + targets_ + "]";
-  text += "}]";
+  std::string primitives;
+  for (const Part& part : parts_)
+    primitives = joined(
+        primitives, fmt::format("{{\"attributes\":{{{}}},\"indices\":{},\"material\":{}{}}}", attributes_, part.indices,
+                                part.material, targets_.empty() ? "" : ",\"targets\":[" + targets_ + "]"));
+  std::string text = fmt::format("\"meshes\":[{{\"name\":\"{}\",\"primitives\":[{}]", surface_->name, primitives);
   if (!targets_.empty()) {
     std::string zeros = "0";
     for (std::size_t i = 2; i < times_.size(); ++i) zeros += ",0";
@@ -174,19 +192,29 @@ std::string GltfWriter::mesh_text() const {
   return text + "}],\n";
 }
 
+void GltfWriter::write_materials() {
+  const std::vector<std::string> files = surface_->textures();
+  std::string materials, textures, images;
+  for (const SurfaceMaterial& material : surface_->materials)
+    materials = joined(materials, material_text(material, files));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    textures = joined(textures, fmt::format("{{\"source\":{}}}", i));
+    images = joined(images, fmt::format("{{\"uri\":\"{}\"}}", files[i]));
+  }
+  json_.write("\"materials\":[" + materials + "],\n");
+  if (!files.empty()) json_.write("\"textures\":[" + textures + "],\"images\":[" + images + "],\n");
+}
+
 void GltfWriter::finish() {
   const std::string animation = animation_text();
-  const SurfaceMaterial& material = surface_->material;
   json_.write(asset_text(*clip_));
-  json_.write("\"extensionsUsed\":[" + extensions_used(material) + "],\n");
+  json_.write("\"extensionsUsed\":[" + extensions_used(surface_->materials) + "],\n");
   json_.write(std::string("\"scene\":0,\"scenes\":[{\"nodes\":[0") + (camera_ ? ",1" : "") + "]}],\n");
   json_.write(fmt::format("\"nodes\":[{{\"name\":\"{}\",\"mesh\":0}}", surface_->name));
   if (camera_) json_.write(camera_node(*camera_));
   json_.write("],\n");
   if (camera_) json_.write(camera_text(*camera_));
-  json_.write("\"materials\":[" + material_text(material, surface_->name) + "],\n");
-  if (!material.texture.empty())
-    json_.write(fmt::format("\"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"{}\"}}],\n", material.texture));
+  write_materials();
   json_.write(mesh_text());
   json_.write(animation);
   json_.write(fmt::format("\"buffers\":[{{\"uri\":\"{}\",\"byteLength\":{}}}],\n", numbers_.path().filename().string(),

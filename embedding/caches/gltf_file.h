@@ -31,8 +31,10 @@ class GltfWriter {
                    const std::string& more = {});
   int add_points(const FloatPoints& values, bool with_range);
   void write_first(const SurfaceFrame& frame);
+  void write_indices();
   std::string animation_text();
   std::string mesh_text() const;
+  void write_materials();
 
   const MovingSurface* surface_;
   const ClipSpace* clip_;
@@ -41,7 +43,12 @@ class GltfWriter {
   FileWriter json_, numbers_;
   FloatPoints first_positions_, first_normals_;  // of the split vertices
   std::string views_, accessors_, attributes_, targets_, target_names_;
-  int num_accessors_ = 0, indices_ = 0;
+  struct Part {
+    std::size_t material = 0;
+    int indices = 0;  // accessor
+  };
+  std::vector<Part> parts_;  // of each material that triangles have
+  int num_accessors_ = 0;
   std::vector<float> times_;
 };
 

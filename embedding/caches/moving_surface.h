@@ -14,26 +14,35 @@ using FloatPoints = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  /
 
 /// How a surface looks, as far as exchange formats can say it.
 struct SurfaceMaterial {
+  std::string name;                       // as material_names() makes them
   Vector3f base_color{0.6f, 0.6f, 0.6f};  // linear Rec. 709
   float roughness = 0.5f, metallic = 0;   // [0, 1]
   float clearcoat = 0, clearcoat_roughness = 0.03f;
   float ior = 1.5f;
   std::string texture;         // file that colours it, beside the file that is written; empty: none
-  std::string library;         // file that holds the material of OBJ meshes, beside them
   bool vertex_colors = false;  // the surface's colors are its colour
 };
 
 /// What stays the same. Vertices have the order and number of the mesh file.
 struct MovingSurface {
   std::string name;
-  FloatPoints rest;                        // #V x 3
-  Triangles triangles;                     // #T x 3, counter-clockwise from outside
-  TextureCoordinates texture_coordinates;  // 3 #T x 2, one per triangle corner, or empty
-  FloatPoints colors;                      // #V x 3 linear Rec. 709, or empty
-  SurfaceMaterial material;
-  bool moves = true;  // false: all frames have the rest shape
+  FloatPoints rest;                           // #V x 3
+  Triangles triangles;                        // #T x 3, counter-clockwise from outside
+  TextureCoordinates texture_coordinates;     // 3 #T x 2, one per triangle corner, or empty
+  FloatPoints colors;                         // #V x 3 linear Rec. 709, or empty
+  std::vector<SurfaceMaterial> materials{1};  // at least one
+  std::vector<int> triangle_materials;        // #T which of them each triangle has; empty: all the first
+  std::string library;                        // file that holds the materials of OBJ meshes, beside them
+  bool moves = true;                          // false: all frames have the rest shape
 
   Eigen::Index num_vertices() const { return rest.rows(); }
+  std::size_t material_of(Eigen::Index triangle) const {
+    return triangle_materials.empty() ? 0 : std::size_t(triangle_materials[std::size_t(triangle)]);
+  }
+  /// The textures of all materials, each once.
+  std::vector<std::string> textures() const;
+  /// The triangles of a material, ascending.
+  std::vector<int> triangles_of(std::size_t material) const;
 };
 
 /// The surface in one frame. What a format does not hold may stay empty.
@@ -44,6 +53,9 @@ struct SurfaceFrame {
   FloatPoints velocities;  // #V x 3 per second
   FloatPoints normals;     // #V x 3 unit
 };
+
+/// Names for materials that every format takes: letters, digits, _, - and . alone, none twice, none empty.
+std::vector<std::string> material_names(const std::vector<std::string>& wanted);
 
 /// What all surfaces of an export share.
 struct ClipSpace {

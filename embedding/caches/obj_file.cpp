@@ -23,8 +23,12 @@ void append_vertices(std::string& out, const MovingSurface& surface, const Float
   }
 }
 
-void append_faces(std::string& out, const Triangles& triangles, const CornerValues& texture) {
+/// In the surface's order, with the material's name wherever it changes.
+void append_faces(std::string& out, const MovingSurface& surface, const CornerValues& texture) {
+  const Triangles& triangles = surface.triangles;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const std::size_t material = surface.material_of(t);
+    if (t == 0 || material != surface.material_of(t - 1)) out += "usemtl " + surface.materials[material].name + "\n";
     out += 'f';
     for (int k = 0; k < 3; ++k) {
       out += ' ';
@@ -41,25 +45,27 @@ void append_faces(std::string& out, const Triangles& triangles, const CornerValu
 
 std::string obj_text(const MovingSurface& surface, const FloatPoints& positions) {
   const CornerValues texture = distinct_values(surface.texture_coordinates);
-  std::string out = "mtllib " + surface.material.library + "\no " + surface.name + "\n";
+  std::string out = "mtllib " + surface.library + "\no " + surface.name + "\n";
   append_vertices(out, surface, positions);
   for (const Eigen::RowVector2f& uv : texture.values) {
     out += "vt ";
     append_row(out, uv, " ");
     out += '\n';
   }
-  out += "usemtl " + surface.name + "\ns 1\n";
-  append_faces(out, surface.triangles, texture);
+  out += "s 1\n";
+  append_faces(out, surface, texture);
   return out;
 }
 
 std::string mtl_text(const MovingSurface& surface) {
-  const SurfaceMaterial& material = surface.material;
-  const Vector3f& color = material.base_color;  // linear, as programs take Kd
-  std::string text = fmt::format("newmtl {}\nKd {} {} {}\nPr {}\nPm {}\nPc {}\nPcr {}\nNi {}\n", surface.name,
-                                 color.x(), color.y(), color.z(), material.roughness, material.metallic,
-                                 material.clearcoat, material.clearcoat_roughness, material.ior);
-  if (!material.texture.empty()) text += "map_Kd " + material.texture + "\n";
+  std::string text;
+  for (const SurfaceMaterial& material : surface.materials) {
+    const Vector3f& color = material.base_color;  // linear, as programs take Kd
+    text += fmt::format("newmtl {}\nKd {} {} {}\nPr {}\nPm {}\nPc {}\nPcr {}\nNi {}\n", material.name, color.x(),
+                        color.y(), color.z(), material.roughness, material.metallic, material.clearcoat,
+                        material.clearcoat_roughness, material.ior);
+    if (!material.texture.empty()) text += "map_Kd " + material.texture + "\n";
+  }
   return text;
 }
 

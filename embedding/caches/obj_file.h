@@ -1,4 +1,4 @@
-// Wavefront OBJ: a surface in one pose, with texture coordinates, vertex colours, its name and its material.
+// Wavefront OBJ: a surface in one pose, with texture coordinates, vertex colours, its name and its materials.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace umax {
 
-/// The file that holds the surface with these positions, with the name of its material's library.
+/// The file that holds the surface with these positions, with the name of its materials' library.
 std::string obj_text(const MovingSurface& surface, const FloatPoints& positions);
 
-/// That library, a .mtl file. The material is called as the surface.
+/// That library, a .mtl file.
 std::string mtl_text(const MovingSurface& surface);
 
 }  // namespace umax

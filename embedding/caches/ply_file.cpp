@@ -13,7 +13,7 @@ namespace {
 std::string header_of(const MovingSurface& surface, const SurfaceFrame& frame) {
   std::string text = fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}, frame {}, {} s\n", surface.name,
                                  frame.frame, frame.time);
-  if (!surface.material.texture.empty()) text += "comment TextureFile " + surface.material.texture + "\n";
+  for (const std::string& texture : surface.textures()) text += "comment TextureFile " + texture + "\n";
   text += fmt::format("element vertex {}\n", surface.num_vertices());
   for (const char* name : {"x", "y", "z"}) text += fmt::format("property float {}\n", name);
   if (frame.normals.rows() > 0)

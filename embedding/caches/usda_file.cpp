@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "embedding/caches/corner_values.h"
 #include "embedding/caches/number_text.h"
+#include "embedding/caches/usda_material.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -62,13 +63,12 @@ std::string layer_header(const ClipSpace& clip, const std::string& root) {
 }
 
 /// What does not change with time.
-std::string topology_text(const MovingSurface& surface, const std::string& root) {
+std::string topology_text(const MovingSurface& surface) {
   constexpr const char* in = "        ";
   std::string out = fmt::format("{}uniform bool doubleSided = 1\n", in);
   out += fmt::format("{}int[] faceVertexCounts = {}\n", in,
                      list_of(std::vector<int>(std::size_t(surface.triangles.rows()), 3)));
   out += fmt::format("{}int[] faceVertexIndices = {}\n", in, list_of(surface.triangles.reshaped<Eigen::RowMajor>()));
-  out += fmt::format("{}rel material:binding = </{}/material>\n", in, root);
   out += fmt::format("{}uniform token orientation = \"rightHanded\"\n", in);
   out += fmt::format("{}uniform token subdivisionScheme = \"none\"\n", in);
   if (surface.colors.rows() > 0)
@@ -81,56 +81,6 @@ std::string topology_text(const MovingSurface& surface, const std::string& root)
     out += fmt::format("{}int[] primvars:st:indices = {}\n", in, list_of(texture.index));
   }
   return out;
-}
-
-std::string color_input(const MovingSurface& surface, const std::string& root) {
-  const SurfaceMaterial& material = surface.material;
-  if (!material.texture.empty())
-    return fmt::format("color3f inputs:diffuseColor.connect = </{}/material/texture.outputs:rgb>", root);
-  if (material.vertex_colors)
-    return fmt::format("color3f inputs:diffuseColor.connect = </{}/material/paint.outputs:result>", root);
-  std::string out = "color3f inputs:diffuseColor = ";
-  append_tuple(out, material.base_color);
-  return out;
-}
-
-/// A shader that reads a primvar of the mesh.
-std::string reader_text(const char* name, const char* id, const char* primvar, const char* type) {
-  return fmt::format(
-      "\n        def Shader \"{}\"\n        {{\n            uniform token info:id = \"{}\"\n"
-      "            string inputs:varname = \"{}\"\n            {} outputs:result\n        }}\n",
-      name, id, primvar, type);
-}
-
-std::string texture_text(const SurfaceMaterial& material, const std::string& root) {
-  const Vector3f& color = material.base_color;
-  std::string out = fmt::format(
-      "\n        def Shader \"texture\"\n        {{\n            uniform token info:id = \"UsdUVTexture\"\n"
-      "            asset inputs:file = @./{}@\n            float4 inputs:scale = ({}, {}, {}, 1)\n"
-      "            token inputs:sourceColorSpace = \"sRGB\"\n"
-      "            float2 inputs:st.connect = </{}/material/st.outputs:result>\n"
-      "            token inputs:wrapS = \"repeat\"\n            token inputs:wrapT = \"repeat\"\n"
-      "            float3 outputs:rgb\n        }}\n",
-      material.texture, color.x(), color.y(), color.z(), root);
-  return out + reader_text("st", "UsdPrimvarReader_float2", "st", "float2");
-}
-
-std::string material_text(const MovingSurface& surface, const std::string& root) {
-  const SurfaceMaterial& material = surface.material;
-  std::string out = fmt::format(
-      "    def Material \"material\"\n    {{\n        token outputs:surface.connect = "
-      "</{}/material/surface.outputs:surface>\n\n        def Shader \"surface\"\n        {{\n"
-      "            uniform token info:id = \"UsdPreviewSurface\"\n            {}\n"
-      "            float inputs:roughness = {}\n            float inputs:metallic = {}\n"
-      "            float inputs:clearcoat = {}\n            float inputs:clearcoatRoughness = {}\n"
-      "            float inputs:ior = {}\n            token outputs:surface\n        }}\n",
-      root, color_input(surface, root), material.roughness, material.metallic, material.clearcoat,
-      material.clearcoat_roughness, material.ior);
-  if (!material.texture.empty())
-    out += texture_text(material, root);
-  else if (material.vertex_colors)
-    out += reader_text("paint", "UsdPrimvarReader_float3", "displayColor", "float3");
-  return out + "    }\n";
 }
 
 /// The opening of the prims that hold a surface. words: behind the root's name.
@@ -155,11 +105,6 @@ std::string varying_text() {
          "        point3f[] points\n        vector3f[] velocities\n";
 }
 
-/// NAME.clips beside NAME.usda
-fs::path folder_of_clips(const fs::path& layer) {
-  return fs::path(layer).replace_extension(".clips");
-}
-
 std::string clip_file(std::size_t index) {
   return fmt::format("{:04}.usda", index + 1);
 }
@@ -176,11 +121,12 @@ std::string usd_name(const std::string& name) {
 std::string still_usda(const MovingSurface& surface, const SurfaceFrame& shape, const ClipSpace& clip) {
   const std::string root = usd_name(surface.name);
   std::string out = layer_header(clip, root) + opening_text("def", root, " (\n    kind = \"component\"\n)");
-  out += topology_text(surface, root);
+  out += topology_text(surface);
   out += "        float3[] extent = " + extent_of(shape.positions) + "\n";
   out += "        normal3f[] normals = " + array_of(shape.normals.rowwise()) + vertex_interpolation;
-  out += "        point3f[] points = " + array_of(shape.positions.rowwise()) + "\n    }\n\n";
-  return out + material_text(surface, root) + "}\n";
+  out += "        point3f[] points = " + array_of(shape.positions.rowwise()) + "\n";
+  out += usda_binding(surface, root) + "    }\n\n";
+  return out + usda_materials(surface, root) + "}\n";
 }
 
 UsdaSamples::UsdaSamples(const fs::path& layer)
@@ -219,8 +165,8 @@ long long UsdaSamples::size() const {
 UsdaWriter::UsdaWriter(const fs::path& path, const MovingSurface& surface, const ClipSpace& clip, long long largest)
     : path_(path), surface_(&surface), clip_(&clip), largest_(largest), file_(path) {
   const std::string root = usd_name(surface.name);
-  still_size_ = (long long)(layer_header(clip, root).size() + topology_text(surface, root).size() +
-                            material_text(surface, root).size());
+  still_size_ = (long long)(layer_header(clip, root).size() + topology_text(surface).size() +
+                            usda_binding(surface, root).size() + usda_materials(surface, root).size());
   samples_.emplace(path);
 }
 
@@ -239,9 +185,14 @@ void UsdaWriter::append(const SurfaceFrame& frame) {
   is_full_ = still_size_ + samples_->size() + 2 * (added + added / 4) > largest_;
 }
 
+/// NAME.clips beside NAME.usda
+fs::path UsdaWriter::folder_of_clips() const {
+  return fs::path(path_).replace_extension(".clips");
+}
+
 void UsdaWriter::finish_clip() {
   const std::string root = usd_name(surface_->name);
-  const fs::path folder = folder_of_clips(path_);
+  const fs::path folder = folder_of_clips();
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
@@ -260,7 +211,7 @@ void UsdaWriter::finish_clip() {
 
 /// The metadata that leads from the root prim to the clips.
 std::string UsdaWriter::clips_text(const std::string& root) const {
-  const std::string folder = "./" + folder_of_clips(path_).filename().string() + "/";
+  const std::string folder = "./" + folder_of_clips().filename().string() + "/";
   std::vector<std::pair<int, int>> active;
   std::string assets;
   for (std::size_t i = 0; i < clip_starts_.size(); ++i) {
@@ -276,7 +227,7 @@ std::string UsdaWriter::clips_text(const std::string& root) const {
 }
 
 void UsdaWriter::write_manifest(const std::string& root) {
-  files_.push_back(folder_of_clips(path_) / "manifest.usda");
+  files_.push_back(folder_of_clips() / "manifest.usda");
   FileWriter manifest(files_.back());
   manifest.write("#usda 1.0\n\n" + opening_text("over", root, "") + varying_text() + "    }\n}\n");
   manifest.finish();
@@ -292,12 +243,12 @@ void UsdaWriter::finish() {
   file_.write(layer_header(*clip_, root));
   file_.write(opening_text("def", root,
                            " (\n    kind = \"component\"\n" + (has_clips ? clips_text(root) : std::string()) + ")"));
-  file_.write(topology_text(*surface_, root));
+  file_.write(topology_text(*surface_));
   if (has_clips)
     file_.write(varying_text());
   else
     samples_->append_to(file_);
-  file_.write("    }\n\n" + material_text(*surface_, root) + "}\n");
+  file_.write(usda_binding(*surface_, root) + "    }\n\n" + usda_materials(*surface_, root) + "}\n");
   file_.finish();
   files_.push_back(path_);
 }

@@ -45,6 +45,7 @@ class UsdaWriter {
 
   /// What it has written, the clips included.
   const std::vector<std::filesystem::path>& files() const { return files_; }
+  std::filesystem::path folder_of_clips() const;
 
  private:
   void finish_clip();

@@ -58,6 +58,21 @@ void leave_out_collapsed_triangles(MeshFile& file) {
                                      : fmt::format("{} triangles name a vertex twice: left out", left_out));
 }
 
+/// Notes the vertices whose place is -1, for whoever needs all that the file has.
+void keep_apart(const std::vector<int>& place, Eigen::Index num_loose, MeshFile& file) {
+  const TriangleMesh& mesh = file.mesh;
+  const bool has_colors = mesh.colors.rows() > 0;
+  file.loose_vertices.resize(num_loose, 3);
+  if (has_colors) file.loose_colors.resize(num_loose, 3);
+  Eigen::Index loose = 0;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    if (place[v] >= 0) continue;
+    file.loose_vertices.row(loose) = mesh.positions.row(Eigen::Index(v));
+    if (has_colors) file.loose_colors.row(loose) = mesh.colors.row(Eigen::Index(v));
+    ++loose;
+  }
+}
+
 /// A vertex of no triangle would need a hex of its own, and pictures would not show why.
 void leave_out_loose_vertices(MeshFile& file) {
   TriangleMesh& mesh = file.mesh;
@@ -65,6 +80,7 @@ void leave_out_loose_vertices(MeshFile& file) {
   for (const int corner : mesh.triangles.reshaped()) place[std::size_t(corner)] = 0;
   const auto num_loose = std::count(place.begin(), place.end(), -1);
   if (num_loose == 0) return;
+  keep_apart(place, num_loose, file);
   for (std::size_t v = 0; v < place.size(); ++v) {
     if (place[v] < 0) continue;
     const auto kept = Eigen::Index(file.vertex_in_file.size());

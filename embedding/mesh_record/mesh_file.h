@@ -31,6 +31,8 @@ struct MeshFile {
   std::vector<MeshMaterial> materials = {};  // those that triangles have, as mesh.materials counts them; empty: none
   std::vector<std::string> embedded_textures = {};  // bytes of pictures inside the file
   std::vector<int> vertex_in_file = {};  // #V place of each vertex in the file's own order; empty: all are as there
+  Points loose_vertices = {};            // #L x 3 those of no triangle, which the mesh lacks; in the file's order
+  Points loose_colors = {};              // #L x 3, or empty: theirs, as mesh.colors
   std::vector<std::string> notes = {};   // what a user may want to know; empty when all is plain
   int num_parts = 0;                     // objects or mesh instances in the file
 };

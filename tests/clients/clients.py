@@ -6,27 +6,32 @@ import sys
 import zlib
 from pathlib import Path
 
-# a mesh whose corners have texture coordinates that no vertex order survives unless it is kept, and paint
+# a mesh whose corners have texture coordinates that no vertex order survives unless it is kept, paint, two materials,
+# and two vertices of no triangle: one between its own, one behind them
 CUBE = """mtllib cube.mtl
 v -0.2 0 -0.2 1 0 0
 v 0.2 0 -0.2 0 1 0
 v 0.2 0 0.2 0 0 1
 v -0.2 0 0.2 1 1 0
+v 0.5 0.2 0 0.5 0.5 0.5
 v -0.2 0.4 -0.2 0 1 1
 v 0.2 0.4 -0.2 1 0 1
 v 0.2 0.4 0.2 1 1 1
 v -0.2 0.4 0.2 0.2 0.2 0.2
+v 0.05 0.21 0.1 1 1 1
 vt 0 0
 vt 1 0
 vt 1 1
 vt 0 1
 usemtl skin
 f 1/1 2/2 3/3 4/4
-f 8/4 7/3 6/2 5/1
-f 1/1 5/2 6/3 2/4
-f 2/1 6/2 7/3 3/4
-f 3/1 7/2 8/3 4/4
-f 4/1 8/2 5/3 1/4
+f 9/4 8/3 7/2 6/1
+usemtl lid
+f 1/1 6/2 7/3 2/4
+usemtl skin
+f 2/1 7/2 8/3 3/4
+f 3/1 8/2 9/3 4/4
+f 4/1 9/2 6/3 1/4
 """
 SCENE = """[clip]
 frames = 24
@@ -61,6 +66,7 @@ size = [64, 36]
 """
 FRAMES = 24
 FPS = 30
+LOOSE = (4, 9)  # vertices of the cube that no face has
 MOVING = ["cube", "ball", "obstacle.plate"]
 
 
@@ -81,7 +87,7 @@ class Program:
         self.path = str(Path(path).resolve())
         self.folder = Path(folder)
         (self.folder / "cube.obj").write_text(CUBE)
-        (self.folder / "cube.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+        (self.folder / "cube.mtl").write_text("newmtl skin\nmap_Kd skin.png\nnewmtl lid\nKd 1 0 0\n")
         (self.folder / "skin.png").write_bytes(png(4, 4))
         (self.folder / "clip.toml").write_text(SCENE)
         self(["simulate", "clip.toml", "-o", "clip"])

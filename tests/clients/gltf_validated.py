@@ -64,6 +64,7 @@ def test(umax, folder, node_folder):
             check_copies(seen, frames)
             assert seen["texture"] == (export / "cube.png").stat().st_size == (folder / "skin.png").stat().st_size
             assert points_of(seen["colors"])[0] == (1, 0, 0)
+            assert seen["materials"] == ["skin", "lid"]
         else:
             assert seen["coordinates"] is None and seen["colors"] is None
     assert clients.farthest([told[str(export / "ball.gltf")]["baseColor"][:3]], [(0.5271, 0.0296, 0.0144)]) < 1e-3

@@ -14,13 +14,15 @@ for (const file of process.argv.slice(2)) {
   const document = await new NodeIO().read(file);
   const root = document.getRoot();
   const node = root.listNodes().find(n => n.getMesh());
-  const primitive = node.getMesh().listPrimitives()[0];
+  const primitives = node.getMesh().listPrimitives();  // of each material
+  const primitive = primitives[0];
   const numbers = accessor => accessor ? Array.from(accessor.getArray()) : null;
   const sampler = root.listAnimations()[0]?.listSamplers()[0];
   const camera = root.listNodes().find(n => n.getCamera());
   told[file] = {
     numErrors, numWarnings, messages: messages.slice(0, 5), name: node.getName(),
-    indices: numbers(primitive.getIndices()),
+    indices: primitives.flatMap(part => numbers(part.getIndices())),
+    materials: primitives.map(part => part.getMaterial().getName()),
     positions: numbers(primitive.getAttribute('POSITION')),
     coordinates: numbers(primitive.getAttribute('TEXCOORD_0')),
     colors: numbers(primitive.getAttribute('COLOR_0')),

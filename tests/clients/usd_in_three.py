@@ -64,7 +64,12 @@ def check_short_clip(umax, folder, node_folder):
             return seen[f"{prim}/surface.{attribute}"]
         assert surface("subdivisionScheme")["default"] == "none" and surface("orientation")["default"] == "rightHanded"
         assert set(surface("faceVertexCounts")["default"]) == {3}
-        assert seen[f"{prim}/surface.material:binding"]["targetPaths"] == [f"{prim}/material"]
+        if name == "cube":
+            for part, faces in ("skin", [0, 1, 2, 3, 6, 7, 8, 9, 10, 11]), ("lid", [4, 5]):
+                assert seen[f"{prim}/surface/{part}.material:binding"]["targetPaths"] == [f"{prim}/{part}"]
+                assert seen[f"{prim}/surface/{part}.indices"]["default"] == faces
+        else:
+            assert seen[f"{prim}/surface.material:binding"]["targetPaths"] == [f"{prim}/material"]
         if name == "obstacle.ground":
             assert len(surface("points")["default"]) == 12
             continue
@@ -72,7 +77,7 @@ def check_short_clip(umax, folder, node_folder):
         if name == "cube":
             assert len(surface("primvars:st:indices")["default"]) == 36
             assert points_of(surface("primvars:displayColor")["default"])[0] == (1, 0, 0)
-            assert "cube.png" in str(seen[f"{prim}/material/texture.inputs:file"]["default"])
+            assert "cube.png" in str(seen[f"{prim}/skin/texture.inputs:file"]["default"])
 
 
 def check_stage(seen):

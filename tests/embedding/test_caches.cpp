@@ -24,7 +24,8 @@ namespace {
 MovingSurface tetrahedron() {
   MovingSurface surface;
   surface.name = "tetrahedron";
-  surface.material.library = "tetrahedron.mtl";
+  surface.library = "tetrahedron.mtl";
+  surface.materials[0].name = "tetrahedron";
   surface.rest.resize(4, 3);
   surface.rest << 0, 0, 0, 1.25f, 0, 0, 0, 1.1f, 0, 0, 0, 0.3f;
   surface.triangles.resize(4, 3);
@@ -133,7 +134,7 @@ TEST_CASE("a surface without texture and paint says nothing of them", "[caches]"
   CHECK(text.find("vt ") == text.npos);
   CHECK(test::contains(text, "v 1.25 0 0\n"));
   CHECK(test::contains(text, "\nf 1 3 2\n"));
-  plain.material.texture = "skin.png";
+  plain.materials[0].texture = "skin.png";
   CHECK(test::contains(mtl_text(plain), "newmtl tetrahedron\n"));
   CHECK(test::contains(mtl_text(plain), "map_Kd skin.png\n"));
 }

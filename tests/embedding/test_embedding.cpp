@@ -3,7 +3,9 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/element/rotation.h"
 #include "embedding/embedding.h"
+#include "embedding/loose_vertices.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 
@@ -125,5 +127,39 @@ TEST_CASE("a point outside the cage is named") {
     CHECK(error.fault() == Fault::bad_data);
     CHECK(std::string(error.what()).find("probe 1") != std::string::npos);
     CHECK(std::string(error.what()).find("2.5") != std::string::npos);
+  }
+}
+
+TEST_CASE("vertices of no triangle move as the cage does inside of it, and rigidly with the nearest hex outside") {
+  const Lattice lattice = make_box_lattice({5, 3, 4}, {-1, 0, 2}, {0.3, 0.5, 0.4});
+  std::srand(5);
+  Points points = 2 * Points::Random(60, 3);
+  points.rowwise() += Eigen::RowVector3d(0, 0.7, 2.5);
+  const LooseVertices loose = tie_loose_vertices(points, lattice);
+  CHECK(loose.inside.size() > 2);
+  CHECK(loose.outside.size() > 30);
+  CHECK((deform_loose_vertices(loose, lattice, lattice.rest_positions) - points).cwiseAbs().maxCoeff() < 1e-12);
+
+  // the nearest hex, by trying all
+  for (std::size_t i = 0; i < loose.outside.size(); ++i) {
+    int nearest = 0;
+    double least = 1e9;
+    for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e) {
+      const double distance = (rest_nodes(lattice, e).colwise().mean() - points.row(loose.outside[i])).norm();
+      if (distance < least - 1e-12) nearest = int(e), least = distance;
+    }
+    CHECK(loose.nearest_hex[i] == nearest);
+  }
+
+  // a stretch moves those inside by itself, those outside with their hex's centre alone; a turn turns all
+  const Matrix3d turn = rotation_from_degrees({20, -70, 130});
+  const Matrix3d stretch = Vector3d(1.3, 0.8, 1.1).asDiagonal();
+  const Points now = deform_loose_vertices(loose, lattice, lattice.rest_positions * (turn * stretch).transpose());
+  for (const Eigen::Index v : loose.inside)
+    CHECK((now.row(v).transpose() - turn * stretch * points.row(v).transpose()).norm() < 1e-12);
+  for (std::size_t i = 0; i < loose.outside.size(); ++i) {
+    const Vector3d centre = rest_nodes(lattice, loose.nearest_hex[i]).colwise().mean();
+    const Vector3d offset = points.row(loose.outside[i]).transpose() - centre;
+    CHECK((now.row(loose.outside[i]).transpose() - turn * (stretch * centre + offset)).norm() < 1e-12);
   }
 }

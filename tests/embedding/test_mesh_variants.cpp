@@ -278,6 +278,8 @@ TEST_CASE("vertices of no triangle are left out and said, and the others know th
   CHECK(file.mesh.num_vertices() == 3);
   CHECK(file.vertex_in_file == std::vector<int>{1001, 1002, 1004});
   CHECK(notes_say(file, "1002 vertices belong to no triangle: left out"));
+  REQUIRE(file.loose_vertices.rows() == 1002);
+  CHECK(file.loose_vertices.row(1001) == Eigen::RowVector3d(3, 3, 3));
   // those of a scan that are no numbers, too
   const MeshFile scan = load_mesh(write_file("scan.off", "OFF\n4 1 0\n0 0 0\n1 0 0\nnan nan nan\n0 1 0\n3 0 1 3\n"));
   CHECK(scan.mesh.num_vertices() == 3);

@@ -57,34 +57,63 @@ fs::path folder_beside(const ExportInHand& hand, const ExportedThing& thing) {
   return in_folder ? hand.folder.file_of(thing, hand.format) : hand.folder.path();
 }
 
+/// ".png", ".jpg" …; of a picture inside of a mesh file by its first bytes.
+std::string ending_of(const ExportedTexture& texture) {
+  if (!texture.bytes) return texture.file.extension().string();
+  return texture.bytes->starts_with("\x89PNG") ? ".png" : ".jpg";
+}
+
 /// glTF knows PNG and JPEG only.
-bool takes_texture(ExportFormat format, const fs::path& texture) {
-  if (texture.empty()) return false;
-  const std::string ending = texture.extension().string();
+bool takes_texture(ExportFormat format, const ExportedTexture& texture) {
+  if (!texture.is_there()) return false;
+  const std::string ending = ending_of(texture);
   return format != ExportFormat::gltf || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
-/// Puts the texture beside the thing's files and names it in its material.
-void copy_texture(const ExportInHand& hand, ExportedThing& thing) {
-  if (!takes_texture(hand.options.format, thing.texture)) return;
-  thing.surface.material.texture = thing.stem + thing.texture.extension().string();
-  const fs::path copy = folder_beside(hand, thing) / thing.surface.material.texture;
-  hand.folder.claim({copy});
-  hand.folder.write_shared(copy, read_file(thing.texture));
+bool are_same(const ExportedTexture& a, const ExportedTexture& b) {
+  return a.file == b.file && a.bytes == b.bytes;
 }
 
-/// Material, and texture, of a thing whose meshes are OBJ.
+/// Puts the textures beside the thing's files, each once, and names them in its materials.
+void copy_textures(const ExportInHand& hand, ExportedThing& thing) {
+  int count = 0;
+  for (std::size_t i = 0; i < thing.textures.size(); ++i) {
+    const ExportedTexture& texture = thing.textures[i];
+    if (!takes_texture(hand.options.format, texture)) continue;
+    const auto first = std::find_if(thing.textures.begin(), thing.textures.end(),
+                                    [&](const ExportedTexture& other) { return are_same(other, texture); });
+    std::string& name = thing.surface.materials[i].texture;
+    if (const auto known = std::size_t(first - thing.textures.begin()); known < i) {
+      name = thing.surface.materials[known].texture;
+      continue;
+    }
+    name = thing.stem + (++count > 1 ? fmt::format(".{}", count) : "") + ending_of(texture);
+    const fs::path copy = folder_beside(hand, thing) / name;
+    hand.folder.claim_plain({copy});
+    hand.folder.write_shared(copy, texture.bytes ? *texture.bytes : read_file(texture.file));
+  }
+}
+
+/// Materials of a thing whose meshes are OBJ.
 void write_material(const ExportInHand& hand, const ExportedThing& thing) {
-  const fs::path material = folder_beside(hand, thing) / thing.surface.material.library;
-  hand.folder.claim({material});
+  const fs::path material = folder_beside(hand, thing) / thing.surface.library;
+  hand.folder.claim_plain({material});
   hand.folder.write_shared(material, mtl_text(thing.surface));
 }
 
-/// The mesh at rest, in the cache's order of vertices; of what does not move, all there is.
+/// The mesh at rest, in the cache's order of vertices; of what does not move, all there is. Importers of OBJ leave
+/// vertices of no triangle out, those of PLY do not.
 void write_rest(const ExportInHand& hand, const ExportedThing& thing) {
-  const fs::path path = hand.folder.path() / (thing.stem + ".obj");
-  hand.folder.claim({path});
-  hand.folder.write_shared(path, obj_text(thing.surface, thing.surface.rest));
+  const auto write = [&](const char* ending, const std::string& bytes) {
+    const fs::path path = hand.folder.path() / (thing.stem + ending);
+    hand.folder.claim_still({path});
+    hand.folder.write_shared(path, bytes);
+  };
+  write(".obj", obj_text(thing.surface, thing.surface.rest));
+  if (!hand.format.is_cache || thing.loose_in_file.empty()) return;
+  SurfaceFrame rest;
+  rest.positions = thing.surface.rest;
+  write(".ply", ply_bytes(thing.surface, rest));
 }
 
 /// The whole file of a thing that does not move.
@@ -94,7 +123,7 @@ void write_still(const ExportInHand& hand, const ExportedThing& thing, const Sta
   if (hand.options.format == ExportFormat::ply) {  // whatever the frames, it is the same
     shape.frame = 1;
     shape.time = 0;
-    hand.folder.claim({file});
+    hand.folder.claim_still({file});
     hand.folder.write_shared(file, ply_bytes(thing.surface, shape));
   } else if (hand.options.format == ExportFormat::usd) {
     write_file(file, still_usda(thing.surface, shape, hand.clip));
@@ -113,7 +142,7 @@ void write_still(const ExportInHand& hand, const ExportedThing& thing, const Sta
 void write_still_parts(const ExportInHand& hand, ExportedThing& thing, const State& first) {
   if (hand.format.holds_hexes) return;
   const bool is_obj = hand.options.format == ExportFormat::obj;
-  copy_texture(hand, thing);
+  copy_textures(hand, thing);
   if (hand.format.is_cache || is_obj) write_material(hand, thing);
   if (hand.format.is_cache || (is_obj && !thing.surface.moves))
     write_rest(hand, thing);
@@ -185,7 +214,10 @@ Stream surface_stream(const ExportInHand& hand, const ExportedThing& thing) {
   };
   const auto finish = [&hand, writer] {
     std::visit([](auto& kind) { kind.finish(); }, *writer);
-    if (const auto* usda = std::get_if<UsdaWriter>(writer.get())) hand.folder.claim(usda->files());
+    const auto* usda = std::get_if<UsdaWriter>(writer.get());
+    if (!usda) return;
+    hand.folder.claim(usda->files());
+    hand.folder.keep_only(usda->folder_of_clips(), usda->files());
   };
   return {append, finish};
 }
@@ -248,10 +280,14 @@ ExportResult export_clip(const Simulation& simulation, const ClipSource& source,
   check_export(options, frames);
   std::vector<ExportedThing> things = things_to_export(simulation, options);
   const State first = source.state(frames.front());
-  ExportFolder folder(path, options.overwrite);
+  ExportFolder folder(path, options.overwrite, label_of(options, frames));
   const ClipSpace clip{
       .fps = simulation.scene.clip.fps, .frames = frames, .z_up = options.z_up, .unit = 1 / options.scale};
   ExportInHand hand{simulation, options, traits_of(options.format), clip, folder};
+  if (!options.overwrite)
+    refuse_misfits(path, options, "replace all such files with --overwrite, or choose another folder with -o");
+  else if (const std::string removed = folder.remove_misfits(); !removed.empty())
+    progress.note(removed);
   require_room(hand, things);
   if (hand.format.has_camera) hand.camera = exported_camera(source.camera(), simulation.scene.render, options);
   for (ExportedThing& thing : things) write_still_parts(hand, thing, first);

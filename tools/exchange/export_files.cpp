@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <set>
-#include <sstream>
 
 #include "core/base/error.h"
 #include "core/files/read_file.h"
@@ -15,18 +14,6 @@
 namespace umax {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* list_name = ".umax.files";  // relative paths, one a line
-
-std::set<std::string> listed_files(const fs::path& folder) {
-  std::set<std::string> names;
-  std::error_code error;
-  if (!fs::exists(folder / list_name, error)) return names;
-  std::istringstream lines(read_file(folder / list_name));
-  for (std::string line; std::getline(lines, line);)
-    if (!line.empty()) names.insert(line);
-  return names;
-}
 
 /// Whether a process lives that could still write to its half-written file.
 bool is_alive(const std::string& process) {
@@ -50,7 +37,8 @@ void remove_leftovers(const fs::path& folder) {
 
 }  // namespace
 
-ExportFolder::ExportFolder(const fs::path& path, bool overwrite) : path_(path), overwrite_(overwrite) {
+ExportFolder::ExportFolder(const fs::path& path, bool overwrite, const ExportLabel& label)
+    : path_(path), overwrite_(overwrite), label_(label) {
   make_folder(path);
 }
 
@@ -81,26 +69,65 @@ void ExportFolder::write_shared(const fs::path& file, std::string_view bytes) {
   write_file(file, bytes);
 }
 
+void ExportFolder::add(const std::vector<fs::path>& files, const ExportLabel& label) {
+  ExportList list = read_export_list(path_);
+  for (const fs::path& file : files) list[file.lexically_relative(path_).generic_string()] = label;
+  write_export_list(path_, list);
+}
+
 void ExportFolder::claim(const std::vector<fs::path>& files) {
-  std::set<std::string> names = listed_files(path_);
-  const std::size_t before = names.size();
-  for (const fs::path& file : files) names.insert(file.lexically_relative(path_).generic_string());
-  if (names.size() == before) return;
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  write_file(path_ / list_name, text);
+  add(files, label_);
+}
+
+void ExportFolder::claim_still(const std::vector<fs::path>& files) {
+  add(files, {.kin = label_.kin, .space = label_.space, .frames = ""});
+}
+
+void ExportFolder::claim_plain(const std::vector<fs::path>& files) {
+  add(files, {});
+}
+
+std::string ExportFolder::remove_misfits() {
+  ExportList list = read_export_list(path_);
+  const std::vector<std::string> found = misfits(path_, list, label_);
+  if (found.empty()) return {};
+  const std::string space = list.at(found.front()).space;
+  std::error_code error;
+  for (const std::string& name : found) {
+    fs::remove(path_ / name, error);
+    list.erase(name);
+  }
+  write_export_list(path_, list);
+  return "removed what was exported with " + space + ": " + found.front() +
+         (found.size() > 1 ? " and " + std::to_string(found.size() - 1) + " more" : std::string());
+}
+
+void ExportFolder::keep_only(const fs::path& inner, const std::vector<fs::path>& files) {
+  ExportList list = read_export_list(path_);
+  const std::string prefix = inner.lexically_relative(path_).generic_string() + "/";
+  const std::size_t before = list.size();
+  std::error_code error;
+  std::erase_if(list, [&](const auto& entry) {
+    const bool is_old =
+        entry.first.starts_with(prefix) && std::find(files.begin(), files.end(), path_ / entry.first) == files.end();
+    if (is_old) fs::remove(path_ / entry.first, error);
+    return is_old;
+  });
+  if (list.size() == before) return;
+  write_export_list(path_, list);
+  if (fs::is_empty(inner, error)) fs::remove(inner, error);
 }
 
 void remove_exports(const fs::path& folder) {
   std::error_code error;
   std::set<fs::path> folders;
-  for (const std::string& name : listed_files(folder)) {
+  for (const auto& [name, label] : read_export_list(folder)) {
     const fs::path file = (folder / name).lexically_normal();
     if (name.starts_with("..") || fs::path(name).is_absolute()) continue;  // no list of ours has such a line
     fs::remove(file, error);
     if (file.parent_path() != folder) folders.insert(file.parent_path());
   }
-  fs::remove(folder / list_name, error);
+  remove_export_list(folder);
   for (const fs::path& inner : folders) {
     remove_leftovers(inner);
     if (fs::is_empty(inner, error)) fs::remove(inner, error);

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "tools/exchange/exported_things.h"
+#include "tools/exchange/export_list.h"
 
 namespace umax {
 
@@ -12,7 +12,7 @@ class ExportFolder {
  public:
   /// Clears away what a killed export has left half-written. Throws Error (cannot_create) when the folder cannot be
   /// made.
-  ExportFolder(const std::filesystem::path& path, bool overwrite);
+  ExportFolder(const std::filesystem::path& path, bool overwrite, const ExportLabel& label);
 
   const std::filesystem::path& path() const { return path_; }
 
@@ -29,12 +29,27 @@ class ExportFolder {
   /// Error (cannot_create, io_error).
   void write_shared(const std::filesystem::path& file, std::string_view bytes);
 
-  /// Notes that an export makes these files, so that `umax run --overwrite` may remove them.
+  /// Notes that an export makes these files, as its label says, so that `umax run --overwrite` may remove them.
   void claim(const std::vector<std::filesystem::path>& files);
 
+  /// The same of files that have no frames.
+  void claim_still(const std::vector<std::filesystem::path>& files);
+
+  /// The same of files that are in no axes and of no frames: materials and textures.
+  void claim_plain(const std::vector<std::filesystem::path>& files);
+
+  /// Removes what earlier exports have left that does not fit this one, and says so. Returns "" where there is nothing.
+  std::string remove_misfits();
+
+  /// Removes what earlier exports have left in one of its folders, but for these files.
+  void keep_only(const std::filesystem::path& inner, const std::vector<std::filesystem::path>& files);
+
  private:
+  void add(const std::vector<std::filesystem::path>& files, const ExportLabel& label);
+
   std::filesystem::path path_;
   bool overwrite_;
+  ExportLabel label_;
 };
 
 /// Removes what exports have put into a folder, and the folder when nothing else is in it.

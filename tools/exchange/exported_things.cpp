@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/nearest_word.h"
@@ -35,24 +36,90 @@ SurfaceMaterial material_of(const Look& look) {
   return material;
 }
 
-MovingSurface surface_of(const std::string& name, const TriangleMesh& mesh, const Look& look,
+MovingSurface surface_of(const std::string& name, const std::string& stem, const TriangleMesh& mesh, const Look& look,
                          const ExportOptions& options) {
   MovingSurface surface;
   surface.name = name;
+  surface.library = stem + ".mtl";
   surface.rest = exported(mesh.positions, options, options.scale);
   surface.triangles = mesh.triangles;
   surface.texture_coordinates = mesh.texture_coordinates;
   surface.colors = mesh.colors.cast<float>();
-  surface.material = material_of(look);
+  surface.materials = {material_of(look)};
+  surface.materials[0].name = name;
   return surface;
 }
 
-/// The picture that the body shows, where it is a file of its own and the only one.
-std::filesystem::path texture_file(const BodySetup& body, const BodyDescription& description) {
+ExportedTexture texture_of(const MeshMaterial& material, const OwnShape& own) {
+  if (material.embedded_texture < 0) return {material.texture, nullptr};
+  return {{}, &own.embedded_textures[std::size_t(material.embedded_texture)]};
+}
+
+/// What the body shows where it has one material.
+ExportedTexture only_texture(const BodySetup& body, const BodyDescription& description) {
   if (!body.look.texture) return {};
-  if (!description.texture_path.empty()) return description.texture_path;
-  const std::vector<MeshMaterial>& materials = body.shape.own->materials;
-  return materials.size() == 1 ? materials.front().texture : std::filesystem::path{};
+  if (!description.texture_path.empty()) return {description.texture_path, nullptr};
+  return texture_of(body.shape.own->materials.front(), *body.shape.own);
+}
+
+/// The materials of the body's file, where it is drawn with several.
+void add_materials(const BodySetup& body, ExportedThing& thing) {
+  const OwnShape& own = *body.shape.own;
+  const SurfaceMaterial common = thing.surface.materials.front();
+  std::vector<std::string> names;
+  for (const MeshMaterial& material : own.materials) names.push_back(material.name);
+  names = material_names(names);
+  thing.surface.materials.clear();
+  thing.textures.clear();
+  for (std::size_t i = 0; i < own.materials.size(); ++i) {
+    const Paint& paint = body.look.paints[i];
+    SurfaceMaterial material = common;
+    material.name = names[i];
+    material.base_color = paint.base_color;
+    thing.surface.materials.push_back(material);
+    thing.textures.push_back(paint.texture ? texture_of(own.materials[i], own) : ExportedTexture{});
+  }
+  thing.surface.triangle_materials = body.shape.mesh.materials;
+}
+
+/// Which places of the file's the body's own vertices leave free.
+std::vector<int> places_between(const std::vector<int>& taken, Eigen::Index count) {
+  std::vector<int> free;
+  std::size_t next = 0;
+  for (int place = 0; place < int(count); ++place) {
+    if (next < taken.size() && taken[next] == place)
+      ++next;
+    else
+      free.push_back(place);
+  }
+  return free;
+}
+
+/// Values of the body's own vertices and of the loose ones, each where the file has it.
+FloatPoints in_file_order(const ExportedThing& thing, const FloatPoints& own, const FloatPoints& loose) {
+  if (thing.vertex_in_file.empty()) return own;
+  FloatPoints out(own.rows() + loose.rows(), 3);
+  for (Eigen::Index v = 0; v < own.rows(); ++v) out.row(thing.vertex_in_file[std::size_t(v)]) = own.row(v);
+  for (Eigen::Index v = 0; v < loose.rows(); ++v) out.row(thing.loose_in_file[std::size_t(v)]) = loose.row(v);
+  return out;
+}
+
+/// The vertices of the file that no triangle has come back to their places.
+void add_loose_vertices(const BodySetup& body, const ExportOptions& options, ExportedThing& thing) {
+  const OwnShape& own = *body.shape.own;
+  if (own.vertex_in_file.empty()) return;
+  const Eigen::Affine3d& place = body.shape.world_from_file;
+  Points rest = (own.loose_vertices * place.linear().transpose()).rowwise() + place.translation().transpose();
+  // what is no number has no place: it goes with the hex that is nearest to the origin
+  rest = rest.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; }).eval();
+  thing.vertex_in_file = own.vertex_in_file;
+  thing.loose_in_file = places_between(own.vertex_in_file, own.mesh.num_vertices() + rest.rows());
+  thing.loose = tie_loose_vertices(rest, body.lattice);
+
+  MovingSurface& surface = thing.surface;
+  surface.rest = in_file_order(thing, surface.rest, exported(rest, options, options.scale));
+  if (surface.colors.rows() > 0) surface.colors = in_file_order(thing, surface.colors, own.loose_colors.cast<float>());
+  for (int& corner : surface.triangles.reshaped()) corner = own.vertex_in_file[std::size_t(corner)];
 }
 
 ExportedThing body_thing(const Simulation& simulation, std::size_t index, const ExportOptions& options) {
@@ -61,11 +128,14 @@ ExportedThing body_thing(const Simulation& simulation, std::size_t index, const 
   ExportedThing thing{.stem = body.name,
                       .body = index,
                       .obstacle = {},
-                      .surface = surface_of(body.name, body.shape.mesh, body.look, options),
-                      .texture = {}};
-  thing.surface.material.library = thing.stem + ".mtl";
-  thing.surface.material.vertex_colors = body.look.vertex_colors;
-  thing.texture = texture_file(body, description);
+                      .surface = surface_of(body.name, body.name, body.shape.mesh, body.look, options),
+                      .textures = {only_texture(body, description)},
+                      .vertex_in_file = {},
+                      .loose_in_file = {},
+                      .loose = {}};
+  thing.surface.materials[0].vertex_colors = body.look.vertex_colors;
+  if (!body.look.paints.empty()) add_materials(body, thing);
+  add_loose_vertices(body, options, thing);
   return thing;
 }
 
@@ -91,13 +161,16 @@ TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose) {
 ExportedThing obstacle_thing(const Simulation& simulation, std::size_t index, const ExportOptions& options) {
   const ObstacleDescription& description = simulation.scene.obstacles[index];
   const Pose pose = pose_at(simulation.model.obstacles[index], 0);
-  ExportedThing thing{
-      .stem = "obstacle." + description.name,
-      .body = {},
-      .obstacle = index,
-      .surface = surface_of(description.name, moved(mesh_of(simulation, index, 0), pose), description.look, options),
-      .texture = {}};
-  thing.surface.material.library = thing.stem + ".mtl";
+  const std::string stem = "obstacle." + description.name;
+  ExportedThing thing{.stem = stem,
+                      .body = {},
+                      .obstacle = index,
+                      .surface = surface_of(description.name, stem, moved(mesh_of(simulation, index, 0), pose),
+                                            description.look, options),
+                      .textures = {{}},
+                      .vertex_in_file = {},
+                      .loose_in_file = {},
+                      .loose = {}};
   thing.surface.moves = !description.position.is_constant() || !description.rotation_degrees.is_constant() ||
                         !description.cache.path.empty();
   return thing;
@@ -146,6 +219,15 @@ Points velocities_of(const Simulation& simulation, std::size_t index, double tim
   return (positions_at(time + h) - positions_at(time - h)) / (2 * h);
 }
 
+/// Velocities [m/s] of the vertices that no triangle has: by a central difference along those of the nodes.
+Points loose_velocities(const ExportedThing& thing, const Lattice& lattice, const Points& nodes,
+                        const Points& velocities) {
+  constexpr double h = 1e-4;  // [s]
+  return (deform_loose_vertices(thing.loose, lattice, nodes + h * velocities) -
+          deform_loose_vertices(thing.loose, lattice, nodes - h * velocities)) /
+         (2 * h);
+}
+
 void sample_body(const Simulation& simulation, const ExportedThing& thing, const ExportOptions& options,
                  const State& state, SurfaceFrame& frame) {
   const BodySetup& body = simulation.bodies[*thing.body];
@@ -153,17 +235,23 @@ void sample_body(const Simulation& simulation, const ExportedThing& thing, const
   const auto of_body = [&](const Points& nodes) {
     return Points(nodes.middleRows(body.first_node, body.lattice.num_nodes()));
   };
+  const auto in_order = [&](const Points& own, const Points& loose, double factor) {
+    return in_file_order(thing, exported(own, options, factor), exported(loose, options, factor));
+  };
+  const Points nodes = of_body(state.positions);
   TriangleMesh mesh;
   if (format.has_normals) {
-    deform(*body.embedding, body.lattice.hexes, of_body(state.positions), mesh);
-    frame.normals = exported(mesh.normals, options, 1);
+    deform(*body.embedding, body.lattice.hexes, nodes, mesh);
+    const Points upwards = Vector3d::UnitY().transpose().replicate(thing.loose.size(), 1);
+    frame.normals = in_order(mesh.normals, upwards, 1);
   } else {
-    deform_positions(*body.embedding, body.lattice.hexes, of_body(state.positions), mesh.positions);
+    deform_positions(*body.embedding, body.lattice.hexes, nodes, mesh.positions);
   }
-  frame.positions = exported(mesh.positions, options, options.scale);
+  frame.positions = in_order(mesh.positions, deform_loose_vertices(thing.loose, body.lattice, nodes), options.scale);
   if (!format.has_velocities) return;
-  deform_positions(*body.embedding, body.lattice.hexes, of_body(state.velocities), mesh.positions);
-  frame.velocities = exported(mesh.positions, options, options.scale);
+  const Points velocities = of_body(state.velocities);
+  deform_positions(*body.embedding, body.lattice.hexes, velocities, mesh.positions);
+  frame.velocities = in_order(mesh.positions, loose_velocities(thing, body.lattice, nodes, velocities), options.scale);
 }
 
 void sample_obstacle(const Simulation& simulation, const ExportedThing& thing, const ExportOptions& options,

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "embedding/caches/moving_surface.h"
+#include "embedding/loose_vertices.h"
 #include "tools/exchange/export_format.h"
 #include "tools/setup/simulation_setup.h"
 
@@ -19,12 +20,24 @@ struct ExportOptions {
   bool overwrite = false;  // files that are there
 };
 
+/// A picture that a material shows: a file of its own, or inside of the mesh's; neither: none.
+struct ExportedTexture {
+  std::filesystem::path file;
+  const std::string* bytes = nullptr;  // of the simulation's shape
+
+  bool is_there() const { return bytes || !file.empty(); }
+};
+
 /// A body or an obstacle.
 struct ExportedThing {
   std::string stem;                           // of its files: "cow", "obstacle.plate"
   std::optional<std::size_t> body, obstacle;  // one of them: its index in the simulation
-  MovingSurface surface;
-  std::filesystem::path texture;  // that the body is drawn with; empty: none
+  MovingSurface surface;                      // vertices: all of the mesh file, in its order
+  std::vector<ExportedTexture> textures;      // of each of its materials
+  std::vector<int> vertex_in_file;            // #V of the body's own vertices their places among the surface's; empty:
+                                              // they are those
+  std::vector<int> loose_in_file;             // of the file's other vertices
+  LooseVertices loose;                        // how those go with the body
 };
 
 /// The bodies, and the obstacles that are visible; those alone that the options name, where they do. A half space is a

@@ -12,6 +12,7 @@
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
+#include "tools/exchange/export_list.h"
 #include "tools/pictures/exposure.h"
 #include "tools/run/clip.h"
 #include "tools/run/export_run.h"
@@ -91,7 +92,11 @@ void tell_cost(const Simulation& simulation, long long steps, long long memory, 
 /// What the folder is needed for, checked as long as nothing has been written.
 void check_before_start(const Job& job, const std::vector<int>& frames) {
   check_run_folder(job.folder, job.existing);
-  for (const ExportOptions& options : job.exports) check_export(options, frames);
+  for (const ExportOptions& options : job.exports) {
+    check_export(options, frames);
+    if (job.existing == ExistingFolder::keep)
+      refuse_misfits(exports_path(job.folder), options, "remove it, or export with umax export and -o another folder");
+  }
   if (!job.pictures) return;
   require_even_size(job.scene.render.width, job.scene.render.height);
   require_clip_encoder();
@@ -144,6 +149,10 @@ int export_stage(const JobInHand& hand) {
         export_run(hand.simulation, hand.folder.path(), hand.frames, hand.folder.exports(), options, hand.progress);
     if (result.signal != 0) return result.signal;
   }
+  const std::string short_ones = caches_that_end_before(hand.folder.exports(), hand.frames.back());
+  if (!short_ones.empty())
+    hand.progress.warning(fmt::format("{}: {} end before frame {}, as they were exported before: export them again",
+                                      hand.folder.exports().string(), short_ones, hand.frames.back()));
   return 0;
 }
 

@@ -34,6 +34,9 @@ OwnShape read_mesh(const std::filesystem::path& path) {
   shape.num_parts = file.num_parts;
   shape.unit = file.unit;
   shape.up = file.up;
+  shape.vertex_in_file = std::move(file.vertex_in_file);
+  shape.loose_vertices = std::move(file.loose_vertices);
+  shape.loose_colors = std::move(file.loose_colors);
   return shape;
 }
 

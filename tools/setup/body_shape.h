@@ -35,6 +35,9 @@ struct OwnShape {
   std::optional<PlacedHexes> hexes;            // of a file of hexes, whose surface is the mesh
   std::optional<double> unit;                  // [m] where the scene or the file says
   std::optional<std::string> up;
+  std::vector<int> vertex_in_file;  // #V place of each vertex in the file's order; empty: all are as there
+  Points loose_vertices;            // #L x 3 vertices of the file that no triangle has, in its order
+  Points loose_colors;              // #L x 3, or empty
 };
 
 /// What the bodies of a scene have in common: each shape is read once, and has one surface of each size.
