@@ -77,7 +77,12 @@ scene.umax.folder = "//umax"
 told["unsaved"] = error_of()
 scene.umax.folder = "/proc/umax"
 told["unwritable"] = error_of()
+scene.umax.folder = job["foreign"]
+told["foreign"] = error_of()
+told["kept"] = os.path.exists(job["foreign"] + "/run/mine")
 scene.umax.folder = job["folder"]
+ball.hide_set(True)
+told["hidden"] = error_of()
 ball.umax.role = box.umax.role = "NONE"
 told["nobody"] = error_of()
 bpy.ops.umax.free()
@@ -85,6 +90,98 @@ told["left"] = os.path.exists(job["folder"])
 told["freed"] = [m.name for thing in (ball, box) for m in thing.modifiers]
 tell()
 """
+
+RIGGED = r"""
+import subprocess
+install()
+for thing in list(bpy.data.objects):
+    bpy.data.objects.remove(thing)
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end, scene.render.fps = 1, 24, 24
+scene.umax.folder = job["folder"]
+
+# a bar of two bones, whose far half lifts what lies on it; with a vertex of no face
+bpy.ops.object.armature_add(location=(0, 0, 0))
+rig = bpy.context.object
+bpy.ops.object.mode_set(mode="EDIT")
+bones = rig.data.edit_bones
+bones[0].head, bones[0].tail = (-2, 0, 0), (0, 0, 0)
+far = bones.new("far")
+far.head, far.tail, far.parent = (0, 0, 0), (2, 0, 0), bones[0]
+near_name, far_name = bones[0].name, far.name
+bpy.ops.object.mode_set(mode="OBJECT")
+bar_mesh = bpy.data.meshes.new("bar")
+xs = [-2 + 0.5 * i for i in range(9)]
+ring = [(-0.6, -0.2), (0.6, -0.2), (0.6, 0.2), (-0.6, 0.2)]
+points = [(0, 0, 0)] + [(x, y, z) for x in xs for y, z in ring]
+faces = [(4, 3, 2, 1), (33, 34, 35, 36)] + [(1 + 4 * i + k, 1 + 4 * i + (k + 1) % 4, 5 + 4 * i + (k + 1) % 4, 5 + 4 * i + k)
+                                           for i in range(8) for k in range(4)]
+bar_mesh.from_pydata(points, [], faces)
+bar = bpy.data.objects.new("bar", bar_mesh)
+scene.collection.objects.link(bar)
+for name, is_far in ((near_name, False), (far_name, True)):
+    group = bar.vertex_groups.new(name=name)
+    group.add([v.index for v in bar_mesh.vertices if (v.co.x > 0.1) == is_far], 1, "REPLACE")
+bar.modifiers.new("rig", "ARMATURE").object = rig
+bar.umax.role = "COLLIDER"
+pose = rig.pose.bones[far_name]
+pose.rotation_mode = "XYZ"
+pose.keyframe_insert("rotation_euler", frame=8)
+pose.rotation_euler = (0, 0, 0)
+pose.rotation_euler[0] = pose.rotation_euler[2] = 0.4
+pose.keyframe_insert("rotation_euler", frame=16)
+
+# a paddle that swings fast about an axis that is not its own, and is mirrored
+bpy.ops.mesh.primitive_cube_add(size=1, location=(-4, 3, 1), rotation=(0.3, 0.1, 0.5))
+paddle = bpy.context.object
+paddle.name, paddle.scale, paddle.umax.role = "paddle", (0.2, -1, 2), "COLLIDER"
+paddle.keyframe_insert("rotation_euler", frame=1)
+paddle.keyframe_insert("location", frame=1)
+paddle.rotation_euler, paddle.location = (0.3, 2.5, 7), (4, 3, 2)
+paddle.keyframe_insert("rotation_euler", frame=10)
+paddle.keyframe_insert("location", frame=10)
+
+bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.4, location=(1.2, 0, 0.65))
+ball = bpy.context.object
+ball.name, ball.umax.role, ball.umax.cells, ball.umax.friction = "ball", "BODY", 60, 1
+bpy.ops.umax.bake()
+told["message"] = scene.umax.message
+told["text"] = open(job["folder"] + "/input/scene.toml").read()
+subprocess.run([job["program"], "export", job["folder"] + "/run", "--format", "pc2", "-o", job["exported"], "--quiet"],
+               check=True)
+told["points"] = []
+for frame in range(1, 25):
+    scene.frame_set(frame)
+    told["points"].append([world_points(ball), world_points(bar)[1:], world_points(paddle)])
+bar.modifiers.new("changing", "DECIMATE").ratio = 0.5
+bar.modifiers["changing"].keyframe_insert("ratio", frame=1)
+bar.modifiers["changing"].ratio = 1
+bar.modifiers["changing"].keyframe_insert("ratio", frame=9)
+try:
+    bpy.ops.umax.bake()
+except RuntimeError as error:
+    told["changing"] = str(error)
+tell()
+"""
+
+def check_rigged(told, folder):
+    """bodies and colliders are in the run where Blender shows them; the arm lifts the ball"""
+    assert told["message"].startswith("24 frames of 1 body"), told["message"]
+    assert 'cache = "bar.pc2"' in told["text"] and "rotation = { keys" in told["text"]
+    for index, (name, tolerance) in enumerate((("ball", 1e-6), ("obstacle.bar", 1e-5), ("obstacle.paddle", 1e-5))):
+        frames = clients.read_pc2(folder / f"exported/{name}.pc2")[2]
+        assert len(frames) == len(told["points"]) == 24
+        for number, (wanted, things) in enumerate(zip(frames, told["points"])):
+            error = clients.farthest([(x, z, -y) for x, y, z in things[index]], wanted)
+            assert error <= tolerance, f"{name}, frame {number + 1}: {error:.2g} m away"
+    samples = clients.read_pc2(folder / "bake/input/bar.pc2")[2]
+    assert len(samples) > 24 and (len(samples) - 1) % 23 == 0, "what is fast is looked at more often"
+    heights = [sum(z for _, _, z in ball) / len(ball) for ball, _, _ in told["points"]]
+    assert max(heights) > heights[0] + 0.2, heights
+    header, *rows = (line.split(",") for line in (folder / "bake/run/steps.csv").read_text().splitlines())
+    deepest = max(float(row[header.index("max_penetration_m")]) for row in rows)
+    assert deepest < 0.01, deepest
+    assert "bar: has " in told["changing"] and "turn off the modifier" in told["changing"], told["changing"]
 
 
 def check_points(told, folder):
@@ -126,13 +223,17 @@ def check_errors(told):
     assert "/nowhere/umax" in told["program"][1] and "Preferences" in told["program"][1]
     assert "save it" in told["unsaved"][1]
     assert "/proc/umax" in told["unwritable"][1]
+    assert "foreign/run: is there and of no bake" in told["foreign"][1] and told["kept"], told["foreign"]
+    assert "My Ball: is hidden" in told["hidden"][1], told["hidden"]
     assert "no object takes part" in told["nobody"][1]
     assert not told["left"] and "umax" not in told["freed"]
 
 
 def test(program, zip_file, folder):
     blender = addon.Blender(program, zip_file, folder)
-    told = blender.run(INSIDE, "-b", first=str(folder / "first"),
+    (folder / "foreign/run").mkdir(parents=True)
+    (folder / "foreign/run/mine").write_text("no bake's")
+    told = blender.run(INSIDE, "-b", first=str(folder / "first"), foreign=str(folder / "foreign"),
                        exported=str(folder / "exported"))
     assert told["message"].splitlines() == [
         "16 frames of 2 bodies", "umax: warning: body.box: 1 vertex belongs to no triangle: left out"], told["message"]
@@ -149,7 +250,13 @@ def test(program, zip_file, folder):
     check_errors(told)
 
 
+def test_rigged(program, zip_file, folder):
+    blender = addon.Blender(program, zip_file, folder)
+    check_rigged(blender.run(RIGGED, "-b", exported=str(folder / "exported")), folder)
+
+
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as temporary:
-        test(sys.argv[1], sys.argv[2], Path(temporary))
+    for part in (test, test_rigged):
+        with tempfile.TemporaryDirectory() as temporary:
+            part(sys.argv[1], sys.argv[2], Path(temporary))
     print("passed")

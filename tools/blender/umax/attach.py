@@ -1,6 +1,4 @@
 """The result of a bake: a Mesh Cache modifier on the object, before the first modifier that changes its vertices."""
-import os
-
 import bpy
 
 from . import point_cache, shapes
@@ -33,7 +31,7 @@ def attach(thing, path, scene):
     modifier.frame_scale = 1
     modifier.factor = 1
     modifier.show_viewport = modifier.show_render = True
-    thing.umax.baked = os.path.splitext(os.path.basename(path))[0]
+    thing.umax.is_baked = True
     thing.data.update_tag()
 
 
@@ -58,14 +56,14 @@ def move_modifier(thing, name, index):
 
 
 def detach_all(scene):
-    """Returns the names of the caches that were there."""
-    names = []
+    """Returns how many there were."""
+    count = 0
     for thing in scene.objects:
-        if not thing.umax.baked:
+        if not thing.umax.is_baked:
             continue
         modifier = thing.modifiers.get(CACHE_NAME)
         if modifier is not None and modifier.type == "MESH_CACHE":
             thing.modifiers.remove(modifier)
-        names.append(thing.umax.baked)
-        thing.umax.baked = ""
-    return names
+        thing.umax.is_baked = False
+        count += 1
+    return count

@@ -1,7 +1,7 @@
 """A bake from beginning to end, in small steps: look at the scene, simulate what has changed, export, attach.
 
-FOLDER/input     the scene file and its meshes        FOLDER/run       states, as umax simulate leaves them
-FOLDER/NAME.pc2  cache of a body's object             FOLDER/bake.json what all of this was made of
+FOLDER/input   the scene file and its meshes       FOLDER/run        states, as umax simulate leaves them
+FOLDER/caches  NAME.pc2 of each body's object      FOLDER/bake.json  what all of this was made of
 """
 import hashlib
 import json
@@ -15,6 +15,7 @@ from mathutils import Matrix
 from . import attach, gather, point_cache, program, shapes
 
 RECORD = "bake.json"
+PARTS = ("input", "input.new", "run", "export", "caches")
 EXPECTED = (gather.GatherError, shapes.ShapeError, point_cache.CacheError, program.ProgramError, attach.AttachError,
             OSError)
 
@@ -49,25 +50,21 @@ class Bake:
 
     def _steps(self):
         version = program.version()
-        os.makedirs(self.folder, exist_ok=True)
+        claim(self.folder)
         found = yield from self._gather()
         record = read_record(self.folder)
         digest = digest_of(version, found)
         last = found.scene.frame_end - found.scene.frame_start + 1
         if record.get("digest") != digest:
+            write_record(self.folder, {})
             record = {"digest": digest, "frames": 0, "caches": {}}
-            replace_folder(found.folder, os.path.join(self.folder, "input"))
-            remove(os.path.join(self.folder, RECORD))
-        else:
-            # the last frame of the clip may be another one
-            os.replace(os.path.join(found.folder, "scene.toml"), os.path.join(self.folder, "input", "scene.toml"))
-            remove(found.folder)
+        replace_folder(found.folder, os.path.join(self.folder, "input"))  # the length may be another one in any case
         warnings = []
         # a run knows its meshes by absolute paths: one that was moved along with its folder is looked at again
         if record["frames"] < last or record.get("folder") != self.folder or not os.path.isdir(self._run()):
             warnings = yield from self._simulate(record, last)
         yield from self._make_caches(record, found, last)
-        self.message = "\n".join([f"{last} frames of {len(found.bodies)} bodies"] + warnings)
+        self.message = "\n".join([f"{last} frames of {counted(len(found.bodies))}"] + warnings)
 
     def _gather(self):
         scene = bpy.data.scenes[self.scene_name]
@@ -130,6 +127,7 @@ class Bake:
             yield from self._call("Exporting", ["export", "run", "--format", "pc2", "--bodies", names, "--frames",
                                                 f"1-{last}", "--up", "z", "--scale", repr(1 / found.unit), "--overwrite",
                                                 "-o", "export"], last)
+            os.makedirs(os.path.join(self.folder, "caches"), exist_ok=True)
         for thing_name, digest in wanted.items():
             yield from self._localise(found, thing_name)
             record["caches"][thing_name] = digest
@@ -144,7 +142,7 @@ class Bake:
         return os.path.join(self.folder, "run")
 
     def _cache(self, name):
-        return os.path.join(self.folder, name + ".pc2")
+        return os.path.join(self.folder, "caches", name + ".pc2")
 
     def _localise(self, found, thing_name):
         """From the world's coordinates to the object's, wherever it is in each frame."""
@@ -166,6 +164,10 @@ class Bake:
             writer.discard()
 
 
+def counted(bodies):
+    return "1 body" if bodies == 1 else f"{bodies} bodies"
+
+
 def folder_of(scene):
     """Throws GatherError where it has no place yet."""
     folder = scene.umax.folder
@@ -173,6 +175,17 @@ def folder_of(scene):
         raise gather.GatherError(f"the folder of the bake is {folder}, beside the .blend file, which is not saved yet: save "
                                  "it, or choose another folder")
     return os.path.realpath(bpy.path.abspath(folder))
+
+
+def claim(folder):
+    """Makes the folder, or sees to it that nothing is in the way that no bake has put there. Throws GatherError."""
+    if os.path.exists(os.path.join(folder, RECORD)):
+        return
+    foreign = [part for part in PARTS if os.path.exists(os.path.join(folder, part))]
+    if foreign:
+        raise gather.GatherError(f"{os.path.join(folder, foreign[0])}: is there and of no bake: choose another folder")
+    os.makedirs(folder, exist_ok=True)
+    write_record(folder, {})
 
 
 def digest_of(version, found):
@@ -215,10 +228,12 @@ def replace_folder(fresh, folder):
 
 def free(scene):
     """Takes the caches off the objects and removes what bakes have put into the folder."""
-    names = attach.detach_all(scene)
     folder = folder_of(scene)
-    for part in ("input", "input.new", "run", "export", RECORD, RECORD + ".part", *(name + ".pc2" for name in names)):
+    count = attach.detach_all(scene)
+    if not os.path.exists(os.path.join(folder, RECORD)):
+        return count
+    for part in (*PARTS, RECORD + ".part", RECORD):
         remove(os.path.join(folder, part))
-    if os.path.isdir(folder) and not os.listdir(folder):
+    if not os.listdir(folder):
         os.rmdir(folder)
-    return len(names)
+    return count

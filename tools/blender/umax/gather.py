@@ -32,6 +32,13 @@ class Input:
         self.files.append(name)
         return path
 
+    def keep(self, sampler):
+        """the name of a sampler's file"""
+        name = os.path.basename(sampler.path)
+        if name not in self.files:
+            self.files.append(name)
+        return name
+
     def write(self, name, data):
         with open(self.path(name), "wb") as file:
             file.write(data)
@@ -48,8 +55,11 @@ def require_sensible(scene):
         if len(thing.data.polygons) == 0:
             raise GatherError(f"{thing.name}: has no faces: a soft body needs a surface")
     for thing in found.bodies + found.colliders:
-        if thing.mode != "OBJECT" and thing.mode not in {"POSE"}:
+        if thing.mode in {"EDIT", "SCULPT"}:
             raise GatherError(f"{thing.name}: is being edited: go back to Object Mode first")
+        if not thing.visible_get():
+            raise GatherError(f"{thing.name}: is hidden in the viewport, where Blender does not evaluate it: show it, or let "
+                              "it take part as nothing")
     if scene.frame_end <= scene.frame_start:
         raise GatherError(f"the scene has one frame: it begins at {scene.frame_start} and ends at {scene.frame_end}")
 
@@ -65,9 +75,10 @@ def gather(scene, folder):
     try:
         tables = clip_tables(found)
         scene.frame_set(scene.frame_start)
-        for thing in found.bodies:
-            tables.append(body_table(found, thing))
-        tables += yield from collider_tables(found)
+        surfaces = {thing: body_shape(found, thing) for thing in found.bodies}
+        tables += [body_table(found, thing, shape) for thing, shape in surfaces.items()]
+        taken = yield from sample_all(found)
+        tables += [collider_table(found, thing, taken[thing]) for thing in found.colliders]
     finally:
         for each in hidden:
             each.switch(True)
@@ -97,13 +108,17 @@ def numbers(values):
     return [number(value) for value in values]
 
 
-def body_table(found, thing):
-    settings, name = thing.umax, found.names[thing.name]
+def body_shape(found, thing):
+    """in the world's coordinates, at the first frame"""
     shape = shapes.evaluated_shape(thing)
     if shape.num_vertices != len(thing.data.vertices):
         raise GatherError(f"{thing.name}: its modifiers change the number of vertices, from {len(thing.data.vertices)} to "
                           f"{shape.num_vertices}, in front of where the cache goes: move them behind, or apply them")
-    shape = shapes.moved(shape, shapes.matrix_of(thing))
+    return shapes.moved(shape, shapes.matrix_of(thing))
+
+
+def body_table(found, thing, shape):
+    settings, name = thing.umax, found.names[thing.name]
     return f"body.{name}", {
         "mesh": found.write(f"{name}.ply", shapes.ply_bytes(shape)),
         "unit": number(found.unit),
@@ -142,8 +157,8 @@ def cell_edge(found):
     return min(edges)
 
 
-def collider_tables(found):
-    """Goes through the frames once, and once more for colliders that are too fast for one sample a frame."""
+def sample_all(found):
+    """Goes through the frames once, and once more for what is too fast for one sample a frame. Samplers by object."""
     wanted = found.scene.umax.samples
     taken = yield from sample(found, found.colliders, wanted or 1, True)
     if wanted == 0:
@@ -155,7 +170,7 @@ def collider_tables(found):
                 by_count.setdefault(each, []).append(thing)
         for each, things in by_count.items():
             taken.update((yield from sample(found, things, each, False)))
-    return [collider_table(found, thing, taken[thing]) for thing in found.colliders]
+    return taken
 
 
 def sample(found, things, each, with_bodies):
@@ -195,15 +210,12 @@ def collider_table(found, thing, sampler):
         flat = [matrix.to_3x3().normalized().to_4x4() for matrix in sampler.matrices]
         for matrix, whole in zip(flat, sampler.matrices):
             matrix.translation = whole.to_translation()
-        if not sampler.is_rigid and os.path.exists(sampler.path):
-            os.remove(sampler.path)
         position, rotation = samples.rigid_keys(flat, sampler.instants, found.unit, Matrix.Identity(3))
         return f"obstacle.{name}", {"shape": "plane", **keys, "position": position, "rotation": rotation}
     keys.update({"shape": "mesh", "mesh": f"{name}.ply", "unit": number(found.unit), "up": "z"})
     if not sampler.is_rigid:
         found.write(f"{name}.ply", shapes.ply_bytes(shapes.moved(sampler.shape, first)))
-        found.files.append(f"{name}.pc2")
-        return f"obstacle.{name}", {**keys, "cache": f"{name}.pc2"}
+        return f"obstacle.{name}", {**keys, "cache": found.keep(sampler)}
     # its own origin is what it turns about
     turned = first.to_3x3().to_4x4()
     found.write(f"{name}.ply", shapes.ply_bytes(shapes.moved(sampler.shape, turned)))

@@ -151,7 +151,7 @@ class UMAX_OT_free(bpy.types.Operator):
             tell(context.scene, str(error), True)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        tell(context.scene, f"Freed {count} bodies")
+        tell(context.scene, f"Freed {bake.counted(count)}")
         return {"FINISHED"}
 
 

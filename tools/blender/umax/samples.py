@@ -42,7 +42,8 @@ class Sampler:
         self.digest = None       # of the vertices in the object's own coordinates
         self.is_rigid = True
         self.fastest = 0.0       # [units] between two instants
-        self.shape = self.writer = self.mover = self.watched = None
+        self.num_vertices = None  # of the object
+        self.shape = self.selection = self.writer = self.mover = self.watched = None
 
     def take(self):
         thing = bpy.data.objects[self.name]
@@ -52,10 +53,11 @@ class Sampler:
             positions = self.shape.positions
         else:
             positions = shapes.evaluated_positions(thing)
-            if len(positions) != len(self.shape.positions):
+            if len(positions) != 3 * self.num_vertices:
                 raise shapes.ShapeError(
                     f"{self.name}: has {len(positions) // 3} vertices in frame {bpy.context.scene.frame_current}, and "
-                    f"{self.shape.num_vertices} in the first one; turn off the modifier that changes their number")
+                    f"{self.num_vertices} in the first one; turn off the modifier that changes their number")
+            positions = self.selection.positions(positions)
         digest = hashlib.sha256(positions).digest()
         self.is_rigid = self.is_rigid and digest == self.digest and is_rigid_motion(self.matrices[:1], matrix)
         self.digest = digest if self.digest is None else self.digest
@@ -65,6 +67,11 @@ class Sampler:
         self._watch(moved)
 
     def _begin(self, shape):
+        self.num_vertices = shape.num_vertices
+        self.selection = shapes.Selection(shape)
+        if not self.selection.places:
+            raise shapes.ShapeError(f"{self.name}: has no faces: nothing can touch it")
+        shape = self.selection.shape(shape)
         self.shape = shape
         self.digest = hashlib.sha256(shape.positions).digest()
         self.mover = shapes.Mover(shape.num_vertices)
@@ -76,9 +83,6 @@ class Sampler:
         if self.watched:
             self.fastest = max(self.fastest, max(math.dist(a, b) for a, b in zip(points, self.watched)))
         self.watched = points
-
-    def moves(self):
-        return not self.is_rigid or any(matrix != self.matrices[0] for matrix in self.matrices)
 
     def finish(self):
         """Keeps the file only where it is needed."""

@@ -58,8 +58,8 @@ class UmaxObject(bpy.types.PropertyGroup):
                                          description="What the stiffness is multiplied by")
     # collider
     shape: EnumProperty(name="Shape", items=COLLIDER_SHAPES, default="AUTO")
-    # what it was baked to: a name in the bake's folder
-    baked: StringProperty(options={"HIDDEN"})
+    # whether it has a cache of a bake
+    is_baked: BoolProperty(options={"HIDDEN"})
 
 
 def percent_done(_):

@@ -29,6 +29,25 @@ class Shape:
         return len(self.positions) // 3
 
 
+class Selection:
+    """The vertices of a shape that faces have: what touches can only be those."""
+
+    def __init__(self, shape):
+        used = sorted(set(shape.triangles))
+        self.all = len(used) == shape.num_vertices
+        self.places = used
+        self.floats = None if self.all else [3 * vertex + axis for vertex in used for axis in range(3)]
+
+    def positions(self, positions):
+        return positions if self.all else array("f", [positions[place] for place in self.floats])
+
+    def shape(self, shape):
+        if self.all:
+            return shape
+        new = {vertex: index for index, vertex in enumerate(self.places)}
+        return Shape(self.positions(shape.positions), array("i", [new[corner] for corner in shape.triangles]))
+
+
 def numbers_of(collection, attribute, kind, each):
     numbers = array(kind, bytes(4 * each * len(collection)))
     collection.foreach_get(attribute, numbers)
