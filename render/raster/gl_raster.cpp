@@ -7,12 +7,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <initializer_list>
 #include <map>
-#include <mutex>
 
 #include "core/base/error.h"
+#include "render/raster/llvmpipe.h"
 #include "render/raster/raster_shaders.h"
 
 namespace umax::raster {
@@ -46,17 +45,6 @@ struct Functions {
 
 [[noreturn]] void fail(const std::string& what, const std::string& value = "") {
   throw Error(Fault::unavailable, {"rasteriser", what, value, "install libosmesa6, or use --engine embree"});
-}
-
-/// Settings of the environment that make llvmpipe crash, or that choose the number of its threads.
-void prepare_environment(int num_threads) {
-  static std::once_flag once;
-  std::call_once(once, [&] {
-    ::unsetenv("GALLIUM_DRIVER");
-    if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && std::string(width) == "512")
-      ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
-    if (num_threads > 0) ::setenv("LP_NUM_THREADS", std::to_string(num_threads).c_str(), 1);
-  });
 }
 
 constexpr int unit_base = 0, unit_samples = 1;
@@ -106,7 +94,7 @@ struct GlRaster::Context {
 };
 
 GlRaster::Context::Context(int num_threads) {
-  prepare_environment(num_threads);
+  prepare_llvmpipe(num_threads);
   const int attributes[] = {OSMESA_FORMAT,
                             OSMESA_RGBA,
                             OSMESA_DEPTH_BITS,
