@@ -15,8 +15,9 @@
 namespace umax {
 namespace {
 
-constexpr int tile_size = 64;    // [px]
-constexpr int patch_radius = 2;  // [px]
+constexpr int tile_size = 64;     // [px]
+constexpr int window_radius = 7;  // [px] of the window that a pixel draws from
+constexpr int patch_radius = 2;   // [px]
 constexpr float normal_tolerance = 0.10f;
 constexpr float albedo_tolerance = 0.10f;
 constexpr float depth_tolerance = 0.01f;  // of the depth itself
@@ -191,12 +192,7 @@ float falling_exponential(float x) {
 // One tile with a border for window and patches, in buffers of its own.
 class Tile {
  public:
-  Tile(const Planes& planes, int left, int top, const DenoiseOptions& options)
-      : radius_(options.radius),
-        border_(options.radius + patch_radius),
-        stride_(tile_size + 2 * border_),
-        tolerance2_(color_tolerance * color_tolerance) {
-    const float noise_scale = options.strength * options.strength;
+  Tile(const Planes& planes, int left, int top, float noise_scale) {
     for (int c = 0; c < 3; ++c) {
       cut(planes, planes.light[c], left, top, light_[c]);
       cut(planes, planes.normal[c], left, top, normal_[c]);
@@ -212,8 +208,8 @@ class Tile {
   }
 
   void filter() {
-    for (int dy = -radius_; dy <= radius_; ++dy)
-      for (int dx = -radius_; dx <= radius_; ++dx) add_offset(dx, dy);
+    for (int dy = -window_radius; dy <= window_radius; ++dy)
+      for (int dx = -window_radius; dx <= window_radius; ++dx) add_offset(dx, dy);
   }
 
   float value(int c, int x, int y) const { return sums_[c][y * tile_size + x] / weights_[y * tile_size + x]; }
@@ -287,8 +283,8 @@ class Tile {
   }
 
   static constexpr int rows_ = tile_size + 2 * patch_radius;
-  int radius_, border_, stride_;
-  float tolerance2_;
+  static constexpr int border_ = window_radius + patch_radius, stride_ = tile_size + 2 * border_;
+  static constexpr float tolerance2_ = color_tolerance * color_tolerance;
   std::array<Plane, 3> light_, normal_, albedo_, sums_;
   Plane variance_, depth_, slope_x_, slope_y_, weights_;
   Plane patch_ = Plane(std::size_t(rows_) * tile_size);  // sums along rows of patches
@@ -300,12 +296,12 @@ Image denoise(const TracedImage& traced, const DenoiseOptions& options) {
   const int width = traced.color.width, height = traced.color.height;
   assert(traced.albedo.width == width && traced.depth.height == height);
   Image result = traced.color;
-  if (!(options.strength > 0) || options.radius < 1 || width == 0 || height == 0) return result;
+  if (!(options.strength > 0) || width == 0 || height == 0) return result;
   const Planes planes = split(traced);
   const int columns = (width + tile_size - 1) / tile_size, tiles = columns * ((height + tile_size - 1) / tile_size);
   parallel_blocks(tiles, 1, [&](Eigen::Index index, Eigen::Index) {
     const int left = int(index % columns) * tile_size, top = int(index / columns) * tile_size;
-    Tile tile(planes, left, top, options);
+    Tile tile(planes, left, top, options.strength * options.strength);
     tile.filter();
     for (int y = 0; y < std::min(tile_size, height - top); ++y)
       for (int x = 0; x < std::min(tile_size, width - left); ++x)

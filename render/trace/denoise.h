@@ -7,7 +7,6 @@
 namespace umax {
 
 struct DenoiseOptions {
-  int radius = 7;      // [px] of the window that a pixel draws from; larger is smoother and slower
   float strength = 1;  // [-] scales the noise that is taken to be there; 0 leaves the picture as it is
 };
 
