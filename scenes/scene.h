@@ -1,6 +1,7 @@
 // What is to be simulated and shown, as a scene file describes it; every default of the program stands here.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -156,6 +157,8 @@ enum class Heatmap {
   multiplier,  // lambda/U_max
   stretch,     // sqrt(2 U/(Y V))
 };
+/// What NNNN.exr can hold beside the colour, for compositing.
+enum class PictureLayer { albedo, normal, depth, position, vector, object, energy, cryptomatte, noise };
 struct RenderDescription {
   RenderEngine engine = RenderEngine::embree;
   int width = 1280, height = 720;  // [px]
@@ -168,13 +171,18 @@ struct RenderDescription {
   Heatmap heatmap = Heatmap::none;
   std::optional<double> heatmap_top;  // where the bar of multiplier and stretch ends, in its unit; unset: chosen
   bool wireframe = false;             // cage over the picture (osmesa)
-  bool exr = false;                   // NNNN.exr beside NNNN.png
+  bool exr = false;                   // NNNN.exr beside NNNN.png, with what guides the filter
+  std::vector<PictureLayer> layers;   // of NNNN.exr (embree), in the order of the enum; none: as exr says
+  bool transparent = false;           // alpha in place of sky and backdrop (embree)
   Sky sky = GradientSky{};
   double shutter = 0;              // [frames] that it stays open (embree); 0: nothing blurs
   double shutter_position = 0.5;   // [-] of the frame's own time while it is open: 0 at the start, 1 at the end
   std::filesystem::path sky_path;  // HDR or EXR for an EnvironmentMap
   std::optional<Vector3f> backdrop;
   double exposure_stops = 0;
+
+  bool has_layer(PictureLayer layer) const { return std::find(layers.begin(), layers.end(), layer) != layers.end(); }
+  bool writes_exr() const { return exr || !layers.empty(); }
 };
 
 struct Scene {

@@ -81,6 +81,19 @@ void complete_probes(Scene& scene, const SceneDocument& document) {
   }
 }
 
+/// The rasteriser draws pictures only.
+void check_engine(const Scene& scene, const SceneDocument& document) {
+  const RenderDescription& render = scene.render;
+  if (render.engine == RenderEngine::embree) return;
+  const auto fail = [&](const std::string& key, const std::string& remedy) {
+    throw Error(Fault::bad_data, {.where = where(document, "render", "", key),
+                                  .what = "is more than the rasteriser can draw",
+                                  .remedy = "use --engine embree, or " + remedy});
+  };
+  if (!render.layers.empty()) fail("layers", "--set render.layers=[]");
+  if (render.transparent) fail("transparent", "--set render.transparent=false");
+}
+
 void check_views(const Scene& scene, const SceneDocument& document) {
   for (const LightDescription& light : scene.lights)
     if (light.position == light.target)
@@ -108,6 +121,7 @@ void complete_and_check(Scene& scene, const SceneDocument& document) {
   check_pairs(scene, document);
   complete_probes(scene, document);
   check_views(scene, document);
+  check_engine(scene, document);
 }
 
 }  // namespace umax

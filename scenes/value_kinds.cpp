@@ -185,6 +185,30 @@ std::string WordKind::type() const {
   return join(words);
 }
 
+std::vector<std::string> WordListKind::read(const SceneValue& value) const {
+  const std::string remedy = "give a list of these, or \"all\": " + join(words);
+  const auto* text = value.as<std::string>();
+  if (!text && value.place.is_override && !value.as<SceneValue::Array>()) text = &value.raw_text;
+  if (text && *text == "all") return words;
+  const auto* array = value.as<SceneValue::Array>();
+  if (!array) throw value_error(value, "must be a list of words, but is " + type_text(value), remedy);
+  std::vector<std::string> given;
+  for (const SceneValue& one : *array) given.push_back(WordKind{words}.read(one));
+  std::vector<std::string> chosen;
+  for (const std::string& word : words)
+    if (std::find(given.begin(), given.end(), word) != given.end()) chosen.push_back(word);
+  if (chosen.size() != given.size()) throw value_error(value, "names one twice", remedy);
+  return chosen;
+}
+
+std::string WordListKind::write(const std::vector<std::string>& chosen) const {
+  return "[" + join(chosen) + "]";
+}
+
+std::string WordListKind::type() const {
+  return "list of " + join(words) + "; or \"all\"";
+}
+
 Vector3d VectorKind::read(const SceneValue& value) const {
   const SceneValue::Array& array = array_of(value, 3, "give [x, y, z]");
   return {read_number(array[0], unit, range), read_number(array[1], unit, range), read_number(array[2], unit, range)};

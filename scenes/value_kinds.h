@@ -6,6 +6,7 @@
 //                   std::string type() const;                for the table of keys: "length [m], > 0"
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -124,6 +125,44 @@ struct ChoiceKind {
 };
 template <class E>
 ChoiceKind(std::vector<std::pair<const char*, E>>) -> ChoiceKind<E>;
+
+/// Some of a few words, each once, in a list; or "all".
+struct WordListKind {
+  using Value = std::vector<std::string>;
+  std::vector<std::string> words;
+  Value read(const SceneValue& value) const;  // in the order of `words`
+  std::string write(const Value& chosen) const;
+  std::string type() const;
+};
+
+/// Such words that stand for the values of an enum.
+template <class E>
+struct ChoiceListKind {
+  using Value = std::vector<E>;
+  std::vector<std::pair<const char*, E>> choices;
+
+  WordListKind words() const {
+    WordListKind kind;
+    for (const auto& [word, value] : choices) kind.words.push_back(word);
+    return kind;
+  }
+  Value read(const SceneValue& value) const {
+    Value chosen;
+    for (const std::string& one : words().read(value))
+      for (const auto& [word, choice] : choices)
+        if (one == word) chosen.push_back(choice);
+    return chosen;
+  }
+  std::string write(const Value& chosen) const {
+    std::vector<std::string> texts;
+    for (const auto& [word, choice] : choices)
+      if (std::find(chosen.begin(), chosen.end(), choice) != chosen.end()) texts.push_back(word);
+    return words().write(texts);
+  }
+  std::string type() const { return words().type(); }
+};
+template <class E>
+ChoiceListKind(std::vector<std::pair<const char*, E>>) -> ChoiceListKind<E>;
 
 /// [x, y, z], each a number or a quantity.
 struct VectorKind {

@@ -15,23 +15,37 @@ namespace {
 
 constexpr const char* font = "DejaVu Sans";  // where missing, Cairo takes another
 
-/// An RGB picture as a Cairo surface; written back when done.
+/// Puts what is drawn, premultiplied with its own alpha, over a pixel whose alpha is straight.
+void blend_over(std::uint32_t drawn, std::uint8_t* codes) {
+  const float alpha = float(drawn >> 24) / 255, below = (1 - alpha) * float(codes[3]) / 255, sum = alpha + below;
+  if (!(alpha > 0)) return;
+  for (int c = 0; c < 3; ++c) {
+    const auto ink = float(drawn >> (16 - 8 * c) & 255);
+    codes[c] = std::uint8_t(std::min(255.0f, (ink + below * float(codes[c])) / sum + 0.5f));
+  }
+  codes[3] = std::uint8_t(255 * sum + 0.5f);
+}
+
+/// An RGB picture as a Cairo surface, written back when done; of one with alpha, a sheet that is laid over it.
 class Canvas {
  public:
   explicit Canvas(Image8& image) : image_(image) {
-    assert(image.channels == 3);
-    surface_.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
+    assert(image.channels == 3 || image.channels == 4);
+    const cairo_format_t format = has_alpha() ? CAIRO_FORMAT_ARGB32 : CAIRO_FORMAT_RGB24;
+    surface_.reset(cairo_image_surface_create(format, image.width, image.height));
     cairo_surface_flush(surface_.get());
-    for_pixels([](std::uint32_t& packed, const std::uint8_t* codes) {
-      packed = std::uint32_t(codes[0]) << 16 | std::uint32_t(codes[1]) << 8 | codes[2];
-    });
+    if (!has_alpha()) copy_picture();
     cairo_surface_mark_dirty(surface_.get());
     cairo_.reset(cairo_create(surface_.get()));
     use_font();
   }
   ~Canvas() {
     cairo_surface_flush(surface_.get());
-    for_pixels([](std::uint32_t& packed, std::uint8_t* codes) {
+    if (has_alpha()) {
+      for_pixels([](std::uint32_t packed, std::uint8_t* codes) { blend_over(packed, codes); });
+      return;
+    }
+    for_pixels([](std::uint32_t packed, std::uint8_t* codes) {
       codes[0] = std::uint8_t(packed >> 16), codes[1] = std::uint8_t(packed >> 8), codes[2] = std::uint8_t(packed);
     });
   }
@@ -45,6 +59,12 @@ class Canvas {
     void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
     void operator()(cairo_t* cairo) const { cairo_destroy(cairo); }
   };
+  bool has_alpha() const { return image_.channels == 4; }
+  void copy_picture() {
+    for_pixels([](std::uint32_t& packed, const std::uint8_t* codes) {
+      packed = std::uint32_t(codes[0]) << 16 | std::uint32_t(codes[1]) << 8 | codes[2];
+    });
+  }
   /// Grey antialiasing and no hinting: the same letters on every screen.
   void use_font() const {
     cairo_font_options_t* options = cairo_font_options_create();
@@ -230,6 +250,19 @@ void draw_label(Image8& image, const std::string& text, float x, float y, const 
   write_text(cairo, text, left + (options.backed ? pad : 0), top + 0.95 * letter + (options.backed ? 0.5 * pad : 0));
 }
 
+/// Puts a row of a picture, transparent or not, onto an opaque one.
+static void lay_row(const Image8& image, int y, std::uint8_t* to) {
+  if (image.channels == 3) {
+    std::copy_n(image.pixel(0, y), 3 * image.width, to);
+    return;
+  }
+  for (int x = 0; x < image.width; ++x, to += 3) {
+    const std::uint8_t* from = image.pixel(x, y);
+    const float alpha = float(from[3]) / 255;
+    for (int c = 0; c < 3; ++c) to[c] = std::uint8_t(alpha * float(from[c]) + (1 - alpha) * float(to[c]) + 0.5f);
+  }
+}
+
 Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, const SheetStyle& style) {
   if (pictures.empty()) return {};
   assert(columns > 0);
@@ -244,9 +277,9 @@ Image8 contact_sheet(const std::vector<LabelledImage>& pictures, int columns, co
     sheet.values[i] = 24, sheet.values[i + 1] = 26, sheet.values[i + 2] = 30;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const Image8& image = pictures[i].image;
-    assert(image.width == first.width && image.height == first.height && image.channels == 3);
+    assert(image.width == first.width && image.height == first.height);
     const int left = gap + int(i) % num_columns * cell_width, top = gap + int(i) / num_columns * cell_height;
-    for (int y = 0; y < image.height; ++y) std::copy_n(image.pixel(0, y), 3 * image.width, sheet.pixel(left, top + y));
+    for (int y = 0; y < image.height; ++y) lay_row(image, y, sheet.pixel(left, top + y));
   }
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const int left = gap + int(i) % num_columns * cell_width, top = gap + int(i) / num_columns * cell_height;

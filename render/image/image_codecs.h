@@ -27,7 +27,7 @@ Codes decode_png(std::string_view bytes, const std::string& name);
 Codes decode_jpeg(std::string_view bytes, const std::string& name);
 std::vector<Layer> decode_exr(std::string_view bytes, const std::string& name);
 Image decode_hdr(std::string_view bytes, const std::string& name);
-std::string encode_exr(const std::vector<Layer>& layers, const ExrAttributes& attributes, const std::string& name);
+std::string encode_exr(const std::vector<Layer>& layers, const ExrHeader& header, const std::string& name);
 
 /// Throws Error 65 "is not a whole picture".
 [[noreturn]] inline void fail_data(const std::string& name, const std::string& what) {

@@ -4,6 +4,7 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 
 #include <cassert>
@@ -53,9 +54,9 @@ class MemoryWriter : public Imf::OStream {
 std::vector<std::string> channel_names(const Layer& layer) {
   const int count = layer.image.channels;
   if (count == 1) return {layer.name.empty() ? "Y" : layer.name};
-  const bool vector = count <= 3 && (count == 2 || layer.name == "N" || layer.name == "P");
+  const bool vector = (count <= 3 && (count == 2 || layer.name == "N" || layer.name == "P")) || layer.name == "Vector";
   const bool cryptomatte = layer.name.rfind("Crypto", 0) == 0;
-  const std::string letters = vector ? "XYZ" : cryptomatte ? "rgba" : "RGBA";
+  const std::string letters = vector ? "XYZW" : cryptomatte ? "rgba" : "RGBA";
   std::vector<std::string> names;
   for (int c = 0; c < count; ++c) {
     assert(c < int(letters.size()));
@@ -73,7 +74,7 @@ Place place_of(const std::string& channel) {
   const auto dot = channel.rfind('.');
   const std::string last = dot == std::string::npos ? channel : channel.substr(dot + 1);
   const std::string prefix = dot == std::string::npos ? "" : channel.substr(0, dot);
-  const auto rank = std::string_view("RGBA").find(last), vector_rank = std::string_view("XYZ").find(last);
+  const auto rank = std::string_view("RGBA").find(last), vector_rank = std::string_view("XYZW").find(last);
   const auto crypto_rank = std::string_view("rgba").find(last);
   const bool single = last.size() == 1;
   if (single && rank != std::string_view::npos) return {prefix, int(rank)};
@@ -91,6 +92,21 @@ std::map<std::string, std::map<int, std::string>> group_channels(const Imf::Chan
     layers[place.layer][place.rank] = channel.name();
   }
   return layers;
+}
+
+/// The library's matrices are for row vectors.
+Imath::M44f row_matrix(const Eigen::Matrix4f& matrix) {
+  Imath::M44f rows;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) rows[i][j] = matrix(j, i);
+  return rows;
+}
+
+void describe(const ExrHeader& about, Imf::Header& header) {
+  for (const auto& [key, text] : about.texts) header.insert(key, Imf::StringAttribute(text));
+  if (about.is_rec709) Imf::addChromaticities(header, Imf::Chromaticities());  // by default those of Rec. 709
+  if (about.world_to_camera) Imf::addWorldToCamera(header, row_matrix(*about.world_to_camera));
+  if (about.world_to_ndc) Imf::addWorldToNDC(header, row_matrix(*about.world_to_ndc));
 }
 
 std::vector<Layer> read_layers(std::string_view bytes, const std::string& name) {
@@ -138,12 +154,12 @@ std::vector<Layer> decode_exr(std::string_view bytes, const std::string& name) {
   }
 }
 
-std::string encode_exr(const std::vector<Layer>& layers, const ExrAttributes& attributes, const std::string& name) {
+std::string encode_exr(const std::vector<Layer>& layers, const ExrHeader& about, const std::string& name) {
   assert(!layers.empty());
   const int width = layers.front().image.width, height = layers.front().image.height;
   Imf::Header header(width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  for (const auto& [key, text] : attributes) header.insert(key, Imf::StringAttribute(text));
+  describe(about, header);
   Imf::FrameBuffer buffer;
   for (const Layer& layer : layers) {
     assert(layer.image.width == width && layer.image.height == height);

@@ -73,8 +73,8 @@ void write_png(const std::filesystem::path& path, const Image& linear) {
   write_png(path, image);
 }
 
-void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers, const ExrAttributes& attributes) {
-  write_file(path, codec::encode_exr(layers, attributes, path.string()));
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers, const ExrHeader& header) {
+  write_file(path, codec::encode_exr(layers, header, path.string()));
 }
 
 void write_image(const std::filesystem::path& path, const Image& linear) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,12 +35,21 @@ void write_png(const std::filesystem::path& path, const Image8& image);
 void write_png(const std::filesystem::path& path, const Image& linear);
 
 /// Metadata of an EXR: (key, text), for example a cryptomatte manifest.
-using ExrAttributes = std::vector<std::pair<std::string, std::string>>;
+using ExrTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// What an EXR says beside its pixels.
+struct ExrHeader {
+  ExrTexts texts = {};
+  bool is_rec709 = false;  // whether it says which primaries and white the colours have: those of Rec. 709
+  // The standard's attributes of these names, for column vectors (p, 1): to the camera's right, up and forward [m]; to the
+  // picture, (0, 0) its upper left and (1, 1) its lower right corner, after division by the fourth.
+  std::optional<Eigen::Matrix4f> world_to_camera = {}, world_to_ndc = {};
+};
 
 /// Writes all layers, of one size, into one file: ZIP compression, 32-bit float. Channel names: colour "R", "G", "B";
-/// three-channel layers "Albedo.R" (but "N.X", "P.X" for layers N, P), single-channel layers their own name ("Z").
-void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
-               const ExrAttributes& attributes = {});
+/// three-channel layers "Albedo.R" (but "N.X", "P.X" for layers N, P), four-channel layers "A.R" (but "Vector.X" and,
+/// in layers that begin with "Crypto", "CryptoObject00.r"), single-channel layers their own name ("Z", "Object.X").
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers, const ExrHeader& header = {});
 
 /// By extension: .png (plain sRGB), .exr. Throws Error 2 for others.
 void write_image(const std::filesystem::path& path, const Image& linear);

@@ -17,6 +17,7 @@ namespace umax {
 struct Paint {
   Vector3f base_color{0.6f, 0.6f, 0.6f};      // linear Rec. 709 reflectance
   std::shared_ptr<const Image> texture = {};  // linear RGB, multiplies base_color
+  std::string name = {};                      // of the material; empty: the object's
 };
 
 /// Diffuse base under a glossy dielectric (or metallic) layer and an optional clear coat.
@@ -30,6 +31,7 @@ struct Look {
   std::shared_ptr<const Image> texture =
       {};                          // linear RGB, multiplies base_color where the mesh has texture coordinates
   std::vector<Paint> paints = {};  // in place of base_color and texture: of each of the mesh's materials
+  std::string material = {};       // its name where there are no paints; empty: the object's
   bool vertex_colors = false;      // the mesh's colors replace base_color (heat maps, painted meshes)
 };
 
@@ -46,6 +48,9 @@ struct RenderObject {
   std::shared_ptr<const TriangleMesh> mesh;  // world space [m]
   Look look;
   SurfaceMotion motion = {};  // path tracer
+  // its vertices one frame before and after, for motion vectors; null: where they are now
+  std::shared_ptr<const TriangleMesh> previous = {}, next = {};
+  std::vector<float> values = {};  // a number of each vertex, for a layer of its own, or empty
 
   /// Whether each material of the mesh has a paint of its own.
   bool has_paints() const {
@@ -53,7 +58,7 @@ struct RenderObject {
   }
   /// What the triangles show: by material where has_paints(), else one for all.
   std::vector<Paint> paints() const {
-    return has_paints() ? look.paints : std::vector<Paint>{{look.base_color, look.texture}};
+    return has_paints() ? look.paints : std::vector<Paint>{{look.base_color, look.texture, look.material}};
   }
 };
 
@@ -122,6 +127,10 @@ struct RenderScene {
   Camera camera;
   std::vector<Camera> camera_path{};  // at even times from the shutter's opening to its closing, at least two; none: it
                                       // stands still (path tracer)
+  // one frame before and after, for motion vectors; none: as now
+  std::optional<Camera> previous_camera = {}, next_camera = {};
+  float moment = 0;          // of the picture itself, while the shutter is open: what is not blurred is seen then
+  bool transparent = false;  // the camera sees neither sky nor backdrop (path tracer)
   std::optional<WireOverlay> wires;
   std::optional<Legend> legend;
   std::vector<Caption> captions{};

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "render/trace/enough_samples.h"
+#include "render/trace/tile_parts.h"
 
 namespace umax {
 namespace {
@@ -43,7 +44,7 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
       .looks = {},
       .lights = RectangleLights(scene.lights),
       .sky = SkyLight(scene.sky),
-      .backdrop = scene.backdrop,
+      .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
       .cameras = {},
       .has_shutter = false,
       .sequence = SampleSequence(options.noise > 0 ? (options.samples + 1) / 2 : options.samples, options.seed),
@@ -67,8 +68,8 @@ struct TileArea {
 // Paths on their way into sums, traced in waves.
 class PathQueue {
  public:
-  PathQueue(const PathTracer& tracer, const Crop& crop, std::vector<RecordedRay>* recording)
-      : wave_(tracer), crop_(crop), recording_(recording) {}
+  PathQueue(const PathTracer& tracer, const Crop& crop, std::vector<RecordedRay>* recording, TileParts& parts)
+      : wave_(tracer), crop_(crop), recording_(recording), parts_(parts) {}
 
   /// Samples `begin` to `end` - 1 of a pixel of the crop.
   void add(int column, int row, int stream, int begin, int end, PixelSum& sum) {
@@ -82,6 +83,9 @@ class PathQueue {
   void flush() {
     const PathResult* results = wave_.trace(starts_, recording_);
     for (std::size_t i = 0; i < starts_.size(); ++i) sums_[i]->add(results[i], starts_[i].sample);
+    if (parts_.are_wanted())
+      for (std::size_t i = 0; i < starts_.size(); ++i)
+        parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, results[i]);
     starts_.clear();
     sums_.clear();
   }
@@ -90,6 +94,7 @@ class PathQueue {
   PathWave wave_;
   Crop crop_;
   std::vector<RecordedRay>* recording_;
+  TileParts& parts_;
   std::vector<PathStart> starts_;
   std::vector<PixelSum*> sums_;
 };
@@ -175,7 +180,9 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
                     .depth = Image(width, height, 1),
                     .variance = Image(width, height, 1),
                     .half = Image(width, height),
-                    .samples = Image(width, height, 1)};
+                    .samples = Image(width, height, 1),
+                    .alpha = Image(width, height, 1),
+                    .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
   const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);
@@ -186,11 +193,13 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
     const FlushDenormals flush;
     const int left = int(tile % columns) * tile_size, top = int(tile / columns) * tile_size;
     const TileArea area{left, top, std::min(left + tile_size, width), std::min(top + tile_size, height)};
-    PathQueue queue(tracer, crop, options.recording ? &(*options.recording)[tile] : nullptr);
+    TileParts parts(rays.objects(), options.mattes, left, top);
+    PathQueue queue(tracer, crop, options.recording ? &(*options.recording)[tile] : nullptr, parts);
     if (options.noise > 0)
       trace_tile(queue, area, enough, image);
     else
       trace_tile(queue, area, options.samples, image);
+    parts.store(image);
     progress.add_one();
   });
   return image;

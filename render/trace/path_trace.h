@@ -14,6 +14,11 @@ struct Crop {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // [px]
 };
 
+/// A number for each object's paints: [object][paint]. Parts with the same number belong together.
+using PartNumbers = std::vector<std::vector<float>>;
+
+constexpr int matte_ranks = 6;  // parts that a pixel tells apart: those it shows most of
+
 struct PathTraceOptions {
   int width = 1280, height = 720;  // [px] of the whole picture
   int samples = 64;                // paths a pixel; powers of two are spread best
@@ -22,6 +27,7 @@ struct PathTraceOptions {
                     // `samples` are then the most; 0: all are taken
   int bounces = 4;  // [-] times that light may bounce between surfaces; 0: direct light only
   unsigned seed = 1;                             // another seed, other noise
+  std::vector<PartNumbers> mattes = {};          // what pixels show how much of, one way of numbering each
   std::optional<Crop> crop = {};                 // trace only this part: the same values as in the whole picture
   std::function<void(double)> on_progress = {};  // called with the done fraction, from one thread at a time
   const std::atomic<bool>* stop = nullptr;       // becomes true: the rest of the picture stays black
@@ -37,6 +43,11 @@ struct TracedImage {
   Image variance;  // 1: of the pixel's luminance, estimated from its paths
   Image half;      // 3: colour from half of the paths alone: tells noise from texture
   Image samples;   // 1: paths that were traced
+  Image alpha;     // 1: share of the paths that met a surface
+
+  // one per PathTraceOptions::mattes, of 2 matte_ranks channels: pairs of a part's number and the share of the paths that
+  // met it first, by falling share; 0 where there are fewer
+  std::vector<Image> mattes;
 };
 
 /// Traces a picture. The values do not depend on the number of threads, tiles or the crop. Throws Error 65 for scenes

@@ -117,6 +117,8 @@ void PathWave::Buffers::prepare_surfaces(bool first) {
     result.albedo = surface.albedo.vector(i);
     result.normal = point.normal.vector(i);
     result.depth = hit.distance[i];
+    result.object = hit.object[i];
+    result.triangle = hit.triangle[i];
   }
 }
 

@@ -36,6 +36,7 @@ struct PathStart {
 struct PathResult {
   Vector3f radiance{0, 0, 0}, albedo{1, 1, 1}, normal{0, 0, 0};  // the last two of the first surface
   float depth = 0;                                               // [m] 0: it met nothing
+  unsigned object = Hit::nothing, triangle = 0;                  // that it met first
 };
 
 /// Paths that are traced together, step by step, so that shading is vector code. A path's result does not depend on the

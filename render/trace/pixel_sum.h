@@ -51,6 +51,7 @@ inline void store_pixel(const PixelSum& sum, TracedImage& image, int column, int
   *image.depth.pixel(column, row) = sum.num_met ? float(sum.depth / sum.num_met) : 0.0f;
   *image.variance.pixel(column, row) = float(sum.variance_of_mean());
   *image.samples.pixel(column, row) = float(samples);
+  *image.alpha.pixel(column, row) = float(sum.num_met) / float(samples);
 }
 
 /// The same from two independent halves, each of which counts as much, however many paths it has: were they weighed by
@@ -68,6 +69,7 @@ inline void store_pixel(const std::array<PixelSum, 2>& halves, TracedImage& imag
   *image.depth.pixel(column, row) = num_met ? float((a.depth + b.depth) / num_met) : 0.0f;
   *image.variance.pixel(column, row) = float((a.variance_of_mean() + b.variance_of_mean()) / 4);
   *image.samples.pixel(column, row) = float(a.count + b.count);
+  *image.alpha.pixel(column, row) = float(0.5 * (double(a.num_met) / a.count + double(b.num_met) / b.count));
 }
 
 }  // namespace umax

@@ -21,7 +21,9 @@ TracedImage two_materials(int width, int height, int split, float noise) {
                 .depth = Image(width, height, 1),
                 .variance = Image(width, height, 1),
                 .half = Image(width, height),
-                .samples = Image(width, height, 1)};
+                .samples = Image(width, height, 1),
+                .alpha = Image(width, height, 1),
+                .mattes = {}};
   std::mt19937 random(3);
   const auto wobble = [&] { return noise * (float(random()) / float(std::mt19937::max()) * 2 - 1) * std::sqrt(3.0f); };
   for (int y = 0; y < height; ++y) {

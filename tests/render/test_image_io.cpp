@@ -142,7 +142,7 @@ TEST_CASE("EXR layers come back bit for bit under their names") {
                                      {"N", wide_range(19, 7, 3)},
                                      {"Z", wide_range(19, 7, 1)},
                                      {"variance", wide_range(19, 7, 1)}};
-  write_exr(path, layers, {{"umax/note", "text"}});
+  write_exr(path, layers, {.texts = {{"umax/note", "text"}}});
   const auto back = read_exr(path);
   REQUIRE(back.size() == layers.size());
   for (const Layer& layer : layers) {

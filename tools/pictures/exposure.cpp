@@ -17,9 +17,18 @@ Exposure exposure_of(const RenderDescription& render, int frame, int last_frame)
   return exposure;
 }
 
+StateWindow states_for(const RenderDescription& render, int frame, int last_frame) {
+  const Exposure exposure = exposure_of(render, frame, last_frame);
+  StateWindow window{exposure.first_state(), exposure.last_state()};
+  if (!render.has_layer(PictureLayer::vector)) return window;
+  window.first = std::min(window.first, std::max(frame - 1, 1));
+  window.last = std::max(window.last, std::min(frame + 1, std::max(last_frame, frame)));
+  return window;
+}
+
 int last_frame_with(const RenderDescription& render, int count, int last_frame) {
   int frame = std::min(count, last_frame);
-  while (frame > 0 && exposure_of(render, frame, last_frame).last_state() > count) --frame;
+  while (frame > 0 && states_for(render, frame, last_frame).last > count) --frame;
   return frame;
 }
 

@@ -24,6 +24,14 @@ Exposure exposure_of(const RenderDescription& render, int frame, int last_frame)
 /// The same without a first and a last frame: of a circle.
 Exposure endless_exposure(const RenderDescription& render, int frame);
 
+/// The states that a picture needs: those while its shutter is open and, where it has motion vectors, the frame's
+/// neighbours, within the clip.
+struct StateWindow {
+  int first = 1, last = 1;
+  bool operator==(const StateWindow&) const = default;
+};
+StateWindow states_for(const RenderDescription& render, int frame, int last_frame);
+
 /// The last frame of a clip of `last_frame` frames that `count` states are enough for; 0: none.
 int last_frame_with(const RenderDescription& render, int count, int last_frame);
 

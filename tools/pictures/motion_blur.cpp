@@ -17,6 +17,12 @@ auto nodes_of(const BodySetup& body, const State& state) {
   return state.positions.middleRows(body.first_node, body.lattice.num_nodes());
 }
 
+std::shared_ptr<const TriangleMesh> surface_at(const BodySetup& body, const State& state) {
+  auto surface = std::make_shared<TriangleMesh>();
+  deform(*body.embedding, body.lattice.hexes, nodes_of(body, state), *surface);
+  return surface;
+}
+
 bool is_at_rest(const BodySetup& body, const std::vector<State>& states) {
   return std::all_of(states.begin(), states.end(),
                      [&](const State& state) { return nodes_of(body, state) == nodes_of(body, states.front()); });
@@ -27,11 +33,11 @@ void add_body_motion(const BodySetup& body, const std::vector<State>& states, co
   if (is_at_rest(body, states)) return;
   motion.first = exposure.share(exposure.first_state());
   motion.last = exposure.share(exposure.last_state());
-  for (const State& state : states) {
-    auto instant = std::make_shared<TriangleMesh>();
-    deform(*body.embedding, body.lattice.hexes, nodes_of(body, state), *instant);
-    motion.instants.push_back(std::move(instant));
-  }
+  for (const State& state : states) motion.instants.push_back(surface_at(body, state));
+}
+
+bool is_same(const Pose& a, const Pose& b) {
+  return a.translation == b.translation && a.rotation == b.rotation;
 }
 
 double turn_between(const Pose& a, const Pose& b) {
@@ -63,7 +69,7 @@ std::vector<double> times_while_open(const Obstacle& obstacle, double begin, dou
   bool moves = false;
   for (std::size_t k = 1; k < few.size(); ++k) {
     turn += turn_between(few[k - 1], few[k]);
-    moves = moves || few[k].translation != few[0].translation || few[k].rotation != few[0].rotation;
+    moves = moves || !is_same(few[k], few[0]);
   }
   const int deformations = parts_of_deformation(obstacle, begin, end);
   const int count = std::max(moves ? std::clamp(int(std::ceil(turn / largest_turn)), 2, 64) : 0, deformations);
@@ -77,6 +83,7 @@ std::vector<double> times_while_open(const Obstacle& obstacle, double begin, dou
 void add_motion(const Simulation& simulation, const Stage& stage, const std::vector<State>& states,
                 const Exposure& exposure, int frame, RenderScene& shot) {
   if (!exposure.is_open()) return;
+  shot.moment = exposure.share(frame);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
     add_body_motion(simulation.bodies[i], states, exposure, shot.objects[i].motion);
 
@@ -91,6 +98,29 @@ void add_motion(const Simulation& simulation, const Stage& stage, const std::vec
       motion.instants.push_back(std::make_shared<const TriangleMesh>(
           moved(*obstacle_surface(simulation, stage, i, time), pose_at(obstacle, time))));
   }
+}
+
+void add_neighbours(const Simulation& simulation, const Stage& stage, const std::vector<State>& states,
+                    const StateWindow& window, int frame, RenderScene& shot) {
+  if (!simulation.scene.render.has_layer(PictureLayer::vector)) return;
+  const State& now = states[std::size_t(frame - window.first)];
+  const auto place = [&](int neighbour, auto member) {
+    if (neighbour < window.first || neighbour > window.last) return;
+    const State& state = states[std::size_t(neighbour - window.first)];
+    for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
+      if (nodes_of(simulation.bodies[i], state) != nodes_of(simulation.bodies[i], now))
+        shot.objects[i].*member = surface_at(simulation.bodies[i], state);
+    std::size_t object = simulation.bodies.size();
+    for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
+      if (!simulation.scene.obstacles[i].visible) continue;
+      RenderObject& drawn = shot.objects[object++];
+      const Pose then = pose_at(simulation.model.obstacles[i], state.time);
+      if (!is_same(then, pose_at(simulation.model.obstacles[i], now.time)))
+        drawn.*member = std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), then));
+    }
+  };
+  place(frame - 1, &RenderObject::previous);
+  place(frame + 1, &RenderObject::next);
 }
 
 void add_camera_motion(const Exposure& exposure, const std::function<Camera(double frame)>& camera_at,

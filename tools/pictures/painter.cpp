@@ -8,9 +8,7 @@
 #include "render/annotation/annotate.h"
 #include "render/image/image_io.h"
 #include "render/raster/rasterize.h"
-#include "render/trace/denoise.h"
-#include "render/trace/path_trace.h"
-#include "tools/system/signals.h"
+#include "tools/pictures/traced_picture.h"
 
 namespace umax {
 
@@ -20,38 +18,6 @@ struct Painter::Engine {
 };
 
 namespace {
-
-// of a preview
-constexpr int preview_samples = 4, preview_bounces = 1;
-
-PathTraceOptions trace_options(const RenderDescription& render) {
-  PathTraceOptions options;
-  options.width = render.width;
-  options.height = render.height;
-  options.samples = render.preview ? std::min(render.samples, preview_samples) : render.samples;
-  options.noise = render.preview ? 0 : render.noise;
-  options.bounces = render.preview ? std::min(render.bounces, preview_bounces) : render.bounces;
-  options.seed = render.seed;
-  options.stop = &stop_flag();
-  return options;
-}
-
-/// Colour first, then what a compositor wants; nothing when a signal asks us to stop.
-std::vector<Layer> trace_layers(const RenderScene& shot, const RenderDescription& render) {
-  const RayScene rays(shot, render.preview ? HierarchyBuild::fast : HierarchyBuild::good);
-  TracedImage traced = path_trace(rays, shot, trace_options(render));
-  std::vector<Layer> layers;
-  if (stop_flag()) return layers;
-  DenoiseOptions filter;
-  if (render.denoise) traced.color = denoise(traced, filter);
-  layers.push_back({"", std::move(traced.color)});
-  layers.push_back({"Albedo", std::move(traced.albedo)});
-  layers.push_back({"N", std::move(traced.normal)});
-  layers.push_back({"Z", std::move(traced.depth)});
-  layers.push_back({"variance", std::move(traced.variance)});
-  if (render.noise > 0) layers.push_back({"samples", std::move(traced.samples)});
-  return layers;
-}
 
 /// Few samples mean few shadow maps, too: in proportion, and from 16 on all that the rasteriser has by itself.
 RasterizeOptions raster_options(const RenderDescription& render, int threads) {
@@ -64,6 +30,20 @@ RasterizeOptions raster_options(const RenderDescription& render, int threads) {
           .threads = threads};
 }
 
+/// The colour alone or, of a transparent picture, with alpha and no longer multiplied by it.
+Image shown_image(Image color, const RenderDescription& render) {
+  if (color.channels < 4) return color;
+  Image shown(color.width, color.height, render.transparent ? 4 : 3);
+  for (int y = 0; y < color.height; ++y)
+    for (int x = 0; x < color.width; ++x) {
+      const float *from = color.pixel(x, y), alpha = from[3];
+      float* to = shown.pixel(x, y);
+      for (int c = 0; c < 3; ++c) to[c] = alpha > 0 ? from[c] / alpha : 0;
+      if (render.transparent) to[3] = alpha;
+    }
+  return shown;
+}
+
 }  // namespace
 
 Painter::Painter(const RenderDescription& render, int threads) : render_(render), engine_(std::make_unique<Engine>()) {
@@ -74,18 +54,18 @@ Painter::Painter(const RenderDescription& render, int threads) : render_(render)
 Painter::~Painter() = default;
 
 bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
-  std::vector<Layer> layers;
+  TracedPicture picture;
   if (render_.engine == RenderEngine::embree)
-    layers = trace_layers(shot, render_);
+    picture = trace_picture(shot, render_);
   else
-    layers.push_back({"", engine_->rasterizer->draw(shot, raster_options(render_, engine_->threads))});
+    picture.layers.push_back({"", engine_->rasterizer->draw(shot, raster_options(render_, engine_->threads))});
 
-  if (layers.empty()) return false;
-  if (render_.exr) {
+  if (picture.layers.empty()) return false;
+  if (render_.writes_exr()) {
     std::filesystem::path exr = png;
-    write_exr(exr.replace_extension(".exr"), layers);
+    write_exr(exr.replace_extension(".exr"), picture.layers, picture.header);
   }
-  write_png(png, present(layers.front().image, shot));
+  write_png(png, present(shown_image(std::move(picture.layers.front().image), render_), shot));
   return true;
 }
 

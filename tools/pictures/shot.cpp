@@ -63,6 +63,15 @@ RenderObject draw_body(const Simulation& simulation, std::size_t index, const St
   return object;
 }
 
+/// U/U_max at the vertices of the bodies, which are the shot's first objects.
+void add_energy(const Simulation& simulation, const State& state, RenderScene& shot) {
+  const VectorXd energy = heat_values(simulation, state, Heatmap::energy);
+  for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
+    const VectorXd values = values_at_vertices(simulation.bodies[i], energy);
+    shot.objects[i].values.assign(values.data(), values.data() + values.size());
+  }
+}
+
 WireOverlay draw_cage(const Stage& stage, const Points& nodes) {
   WireOverlay wires;
   wires.segments.reserve(stage.cage_edges.size());
@@ -77,7 +86,7 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
     if (!description.visible) continue;
     const Pose pose = pose_at(simulation.model.obstacles[i], time);
     shot.objects.push_back(
-        {.name = description.name,
+        {.name = "obstacle." + description.name,
          .mesh = std::make_shared<const TriangleMesh>(moved(*obstacle_surface(simulation, stage, i, time), pose)),
          .look = description.look});
   }
@@ -148,9 +157,11 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
   shot.camera = camera;
   shot.exposure_stops = float(render.exposure_stops);
   shot.legend = stage.legend;
+  shot.transparent = render.transparent;
 
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
     shot.objects.push_back(draw_body(simulation, i, state, values, stage.legend));
+  if (render.has_layer(PictureLayer::energy)) add_energy(simulation, state, shot);
   draw_obstacles(simulation, stage, state.time, shot);
   if (!stage.cage_edges.empty()) shot.wires = draw_cage(stage, state.positions);
   return shot;

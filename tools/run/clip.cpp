@@ -70,8 +70,11 @@ std::vector<std::string> encode_command(const fs::path& target, const ClipOption
   add({"-f", "image2pipe", "-c:v", "png", "-framerate"});
   command.push_back(fmt::format("{}", options.fps));
   add({"-i", "pipe:0", "-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
-  add({"-vf",
-       "scale=in_range=full:out_range=tv:out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p"});
+  const std::string over_black = options.transparent ? "format=gbrap,premultiply=inplace=1,format=gbrp," : "";
+  command.emplace_back("-vf");
+  command.push_back(
+      over_black +
+      "scale=in_range=full:out_range=tv:out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p");
   add({"-c:v", "libx264", "-preset", "medium", "-threads", "2", "-crf"});
   command.push_back(std::to_string(options.constant_rate_factor));
   add({"-color_primaries", "bt709", "-color_trc", "bt709", "-colorspace", "bt709", "-color_range", "tv"});

@@ -12,6 +12,7 @@ struct ClipOptions {
   double fps = 60;                // [1/s]
   int width = 0, height = 0;      // [px] that every picture must have; both even
   int constant_rate_factor = 16;  // [-] H.264 quality; more: smaller files, coarser pictures
+  bool transparent = false;       // the pictures have alpha: the clip shows them over black
 };
 
 /// Throws Error (unavailable, 69) unless ffmpeg and ffprobe are there and ffmpeg has libx264.

@@ -77,9 +77,9 @@ long long steps_left(const Job& job, int last_state) {
   return std::max(0LL, (last_state - std::max(1LL, (long long)(found))) * job.scene.clip.substeps);
 }
 
-/// The last state that these frames need: that of a neighbour, where they are blurred.
+/// The last state that these frames need: that of a neighbour, where they are blurred or have motion vectors.
 int last_state_of(const Job& job, const std::vector<int>& frames) {
-  return exposure_of(job.scene.render, frames.back(), job.scene.clip.frames).last_state();
+  return states_for(job.scene.render, frames.back(), job.scene.clip.frames).last;
 }
 
 /// Refuses what does not fit into the memory, and says what a large job will take.
@@ -156,11 +156,13 @@ int export_stage(const JobInHand& hand) {
   return 0;
 }
 
-/// A clip that was longer or shorter when its pictures were made cut off their blur in another place: those go.
+/// A clip that was longer or shorter when its pictures were made cut off their blur and motion elsewhere: those go.
 void remove_pictures_of_other_length(const JobInHand& hand, int frames_then) {
   const Scene& scene = hand.job.scene;
   if (frames_then == 0) return;
-  const auto window = [&](int frame, int last) { return exposure_of(scene.render, frame, last); };
+  const auto window = [&](int frame, int last) {
+    return std::pair(exposure_of(scene.render, frame, last), states_for(scene.render, frame, last));
+  };
   for (int frame = 1; frame <= std::max(frames_then, scene.clip.frames); ++frame)
     if (window(frame, frames_then) != window(frame, scene.clip.frames)) hand.folder.remove_picture(frame);
 }

@@ -21,10 +21,10 @@ double aspect_of(const RenderDescription& render) {
   return double(render.width) / render.height;
 }
 
-bool has_picture(const RunFolder& folder, int frame, bool exr) {
+bool has_picture(const RunFolder& folder, int frame, bool writes_exr) {
   std::error_code error;
   return std::filesystem::exists(folder.picture(frame), error) &&
-         (!exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
+         (!writes_exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
 }
 
 /// What all states that are there take up.
@@ -68,23 +68,22 @@ std::string legend_text(const Stage& stage) {
 void require_exposed_states(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames) {
   for (const int frame : frames) {
-    const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
-    for (int needed = exposure.first_state(); needed <= exposure.last_state(); ++needed) {
+    const StateWindow window = states_for(simulation.scene.render, frame, simulation.last_frame());
+    for (int needed = window.first; needed <= window.last; ++needed) {
       if (std::error_code error; std::filesystem::exists(state_path(run, needed), error)) continue;
       throw Error(Fault::not_found,
                   {.where = state_path(run, needed).string(),
                    .what = needed == frame ? "there is no state of this frame"
-                                           : fmt::format("frame {} needs this state for its blur", frame),
+                                           : fmt::format("frame {} needs this state for what moves", frame),
                    .remedy = "simulate it first, or name other frames with --frames"});
     }
   }
 }
 
-/// The states of an exposure.
 std::vector<State> read_states(const Simulation& simulation, const std::filesystem::path& run,
-                               const Exposure& exposure) {
+                               const StateWindow& window) {
   std::vector<State> states;
-  for (int frame = exposure.first_state(); frame <= exposure.last_state(); ++frame)
+  for (int frame = window.first; frame <= window.last; ++frame)
     states.push_back(read_state(state_path(run, frame), simulation.model, simulation.digest));
   return states;
 }
@@ -103,9 +102,13 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, run, camera, stage](int frame) {
     const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
-    const std::vector<State> states = read_states(simulation, run, exposure);
-    RenderScene shot = make_shot(simulation, *stage, states[std::size_t(frame - exposure.first_state())], camera);
-    add_motion(simulation, *stage, states, exposure, frame, shot);
+    const StateWindow window = states_for(simulation.scene.render, frame, simulation.last_frame());
+    const std::vector<State> states = read_states(simulation, run, window);
+    const auto state_of = [&](int number) { return states.begin() + (number - window.first); };
+    RenderScene shot = make_shot(simulation, *stage, *state_of(frame), camera);
+    add_motion(simulation, *stage, {state_of(exposure.first_state()), state_of(exposure.last_state()) + 1}, exposure,
+               frame, shot);
+    add_neighbours(simulation, *stage, states, window, frame, shot);
     return shot;
   };
   return pictures;
@@ -135,6 +138,9 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
     };
     RenderScene shot = make_shot(simulation, *stage, state, camera_at(frame));
     add_camera_motion(endless_exposure(simulation.scene.render, frame), camera_at, shot);
+    shot.previous_camera = camera_at(frame - 1);
+    shot.next_camera = camera_at(frame + 1);
+    shot.moment = float(simulation.scene.render.shutter_position);
     return shot;
   };
   return pictures;
@@ -145,7 +151,7 @@ RenderResult render_pictures(const PictureList& list, const RenderDescription& r
   RenderResult result;
   std::vector<int> missing;
   for (const int frame : list.frames)
-    if (!has_picture(folder, frame, render.exr)) missing.push_back(frame);
+    if (!has_picture(folder, frame, render.writes_exr())) missing.push_back(frame);
   result.pictures = int(list.frames.size() - missing.size());
   if (missing.empty()) return result;
 
@@ -167,7 +173,10 @@ void encode_pictures(const RunFolder& folder, const std::vector<int>& frames, co
   std::vector<std::filesystem::path> pictures;
   for (const int frame : frames) pictures.push_back(folder.picture(frame));
   encode_clip(folder.clip(), pictures,
-              {.fps = scene.clip.fps, .width = scene.render.width, .height = scene.render.height});
+              {.fps = scene.clip.fps,
+               .width = scene.render.width,
+               .height = scene.render.height,
+               .transparent = scene.render.transparent});
   progress.note(fmt::format("clip: {} ({} frames)", folder.clip().string(), frames.size()));
 }
 

@@ -52,7 +52,7 @@ bool asks_for_color(const Look& look) {
 }
 
 Paint paint_of(const MeshMaterial& material, const Look& look, std::shared_ptr<const Image> texture) {
-  Paint paint{look.base_color, std::move(texture)};
+  Paint paint{look.base_color, std::move(texture), material.name};
   if (asks_for_color(look)) return paint;
   if (paint.texture)
     paint.base_color = material.texture_tint.cast<float>();
@@ -80,6 +80,7 @@ Look body_look(const BodyDescription& body, const PlacedMesh& shape, ShapeLibrar
   if (look.paints.size() != 1) return look;
   look.base_color = look.paints[0].base_color;
   look.texture = look.paints[0].texture;
+  look.material = look.paints[0].name;
   look.paints.clear();
   return look;
 }
