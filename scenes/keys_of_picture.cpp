@@ -105,29 +105,41 @@ void add_sky_keys(Keys& keys) {
 SceneSection camera_section() {
   SceneSection section{.name = "camera", .meaning = "who looks"};
   auto keys = plain_section(section, &Scene::camera);
-  keys.add("position", VectorKind{units::length, any_length}, UMAX_FIELD(position), "where it stands",
-           {.unset = "frames the whole motion"});
-  keys.add("target", VectorKind{units::length, any_length}, UMAX_FIELD(target), "what it looks at",
-           {.unset = "frames the whole motion"});
-  keys.add("vertical_fov", NumberKind{units::angle, {.low = 0.1, .high = 170}}, UMAX_FIELD(vertical_fov_degrees),
-           "angle of view, top to bottom");
-  keys.add("aperture_radius", NumberKind{units::length, {.low = 0, .high = 1e3}}, UMAX_FIELD(aperture_radius),
-           "of the lens; 0: everything is sharp");
-  keys.add("focus_distance", NumberKind{units::length, {.low = 0, .high = 1e6}}, UMAX_FIELD(focus_distance),
-           "where it is sharp; 0: at the target");
+  const std::vector<std::string> of_file{"file", "name", "start"}, of_scene{"position", "target", "vertical_fov"};
+  keys.add_custom(
+      "file", ExistingFileKind().type(), "glTF or USD text (.usda) whose camera it is, with its animation",
+      {.unset = "none", .resets = of_scene},
+      [](const SceneValue& value, CameraDescription& camera) { camera.file = ExistingFileKind().read(value); },
+      [](const CameraDescription& camera) {
+        return camera.file.empty() ? std::nullopt : std::optional(ExistingFileKind().write(camera.file));
+      });
+  keys.add("name", TextKind(), UMAX_FIELD(name), "of the camera in the file; empty: its only one");
+  keys.add("start", NumberKind{units::time, {.low = -1e6, .high = 1e6}}, UMAX_FIELD(start),
+           "time of the file's animation at which the clip begins", {.unset = "where the file's animation begins"});
+  keys.add("position", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(position), "where it stands",
+           {.unset = "frames the whole motion", .resets = of_file});
+  keys.add("target", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(target), "what it looks at",
+           {.unset = "frames the whole motion", .resets = of_file});
+  keys.add("vertical_fov", TrackKind<NumberKind>{{units::angle, {.low = 0.1, .high = 170}}},
+           UMAX_FIELD(vertical_fov_degrees), "angle of view, top to bottom");
+  keys.add("aperture_radius", TrackKind<NumberKind>{{units::length, {.low = 0, .high = 1e3}}},
+           UMAX_FIELD(aperture_radius), "of the lens; 0: everything is sharp");
+  keys.add("focus_distance", TrackKind<NumberKind>{{units::length, {.low = 0, .high = 1e6}}},
+           UMAX_FIELD(focus_distance), "where it is sharp; 0: at the target");
   return section;
 }
 
 SceneSection light_section() {
   SceneSection section{.name = "light", .meaning = "a square that shines on its target"};
   auto keys = named_section(section, &Scene::lights);
-  keys.add("position", VectorKind{units::length, any_length}, UMAX_FIELD(position), "its centre", {.defines = true});
-  keys.add("target", VectorKind{units::length, any_length}, UMAX_FIELD(target), "what it shines on");
-  keys.add("size", NumberKind{units::length, {.low = 0, .high = 1e6, .low_open = true}}, UMAX_FIELD(size),
+  keys.add("position", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(position), "its centre",
+           {.defines = true});
+  keys.add("target", TrackKind<VectorKind>{{units::length, any_length}}, UMAX_FIELD(target), "what it shines on");
+  keys.add("size", TrackKind<NumberKind>{{units::length, {.low = 0, .high = 1e6, .low_open = true}}}, UMAX_FIELD(size),
            "edge of the square: larger softens shadows");
-  keys.add("power", NumberKind{units::power, {.low = 0, .high = 1e12}}, UMAX_FIELD(power),
+  keys.add("power", TrackKind<NumberKind>{{units::power, {.low = 0, .high = 1e12}}}, UMAX_FIELD(power),
            "radiance is power / (pi area)");
-  keys.add("color", LightColorKind(), UMAX_FIELD(color), "multiplies the power");
+  keys.add("color", TrackKind<LightColorKind>{}, UMAX_FIELD(color), "multiplies the power");
   return section;
 }
 

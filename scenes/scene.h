@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -120,6 +121,7 @@ struct ObstacleDescription {
   Track<Vector3d> position{Vector3d(0, 0, 0)};
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};
   bool visible = true;
+  bool shadow_catcher = false;  // pictures show the shadows on it alone (embree)
   Look look;
 };
 
@@ -136,18 +138,30 @@ struct ProbeDescription {
   Vector3d point{0, 0, 0};  // [m] world coordinates of the initial placed shape
 };
 
+struct MovingCamera;  // embedding/cameras
+
 struct CameraDescription {
-  std::optional<Vector3d> position, target;  // [m]; unset: chosen to frame the whole motion
-  double vertical_fov_degrees = 35;
-  double aperture_radius = 0, focus_distance = 0;  // [m]
+  std::optional<Track<Vector3d>> position, target;  // [m]; unset: chosen to frame the whole motion
+  Track<double> vertical_fov_degrees{35.0};
+  Track<double> aperture_radius{0.0}, focus_distance{0.0};  // [m]
+  std::filesystem::path file;                               // glTF or USD text that it comes from; empty: none
+  std::string name;                                         // of the camera in the file; empty: its only one
+  std::optional<double> start;                      // [s] of the file's animation when the clip begins; unset: its own
+  std::shared_ptr<const MovingCamera> motion = {};  // what the program reads from the file
+
+  bool moves() const {
+    const auto changes = [](const auto& track) { return !track.is_constant(); };
+    return motion || (position && changes(*position)) || (target && changes(*target)) ||
+           changes(vertical_fov_degrees) || changes(aperture_radius) || changes(focus_distance);
+  }
 };
 
 struct LightDescription {
   std::string name;
-  Vector3d position{3, 5, 3}, target{0, 1, 0};  // [m]
-  double size = 2;                              // [m] edge of the square
-  double power = 600;                           // [W] radiance = power / (pi area)
-  Vector3d color{1, 1, 1};
+  Track<Vector3d> position{Vector3d(3, 5, 3)}, target{Vector3d(0, 1, 0)};  // [m]
+  Track<double> size{2.0};                                                 // [m] edge of the square
+  Track<double> power{600.0};                                              // [W] radiance = power / (pi area)
+  Track<Vector3d> color{Vector3d(1, 1, 1)};
 };
 
 enum class RenderEngine { embree, osmesa };

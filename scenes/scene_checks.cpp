@@ -92,15 +92,30 @@ void check_engine(const Scene& scene, const SceneDocument& document) {
   };
   if (!render.layers.empty()) fail("layers", "--set render.layers=[]");
   if (render.transparent) fail("transparent", "--set render.transparent=false");
+  for (const ObstacleDescription& obstacle : scene.obstacles)
+    if (obstacle.shadow_catcher && obstacle.visible)
+      throw Error(Fault::bad_data,
+                  {.where = where(document, "obstacle", obstacle.name, "shadow_catcher"),
+                   .what = "is more than the rasteriser can draw",
+                   .remedy = "use --engine embree, or --set obstacle." + obstacle.name + ".shadow_catcher=false"});
+}
+
+bool meet_at_a_key(const Track<Vector3d>& a, const Track<Vector3d>& b) {
+  const auto meet = [&](double time) { return a.at(time) == b.at(time); };
+  return std::any_of(a.times.begin(), a.times.end(), meet) || std::any_of(b.times.begin(), b.times.end(), meet);
 }
 
 void check_views(const Scene& scene, const SceneDocument& document) {
   for (const LightDescription& light : scene.lights)
-    if (light.position == light.target)
+    if (meet_at_a_key(light.position, light.target))
       throw Error(Fault::bad_data, {.where = where(document, "light", light.name, "position"),
                                     .what = "is also the light's target",
                                     .remedy = "move one of them"});
-  if (scene.camera.position && scene.camera.target && *scene.camera.position == *scene.camera.target)
+  if (!scene.camera.file.empty() && (scene.camera.position || scene.camera.target))
+    throw Error(Fault::bad_data, {.where = where(document, "camera", "", "file"),
+                                  .what = "brings its own place and direction",
+                                  .remedy = "remove camera.position and camera.target"});
+  if (scene.camera.position && scene.camera.target && meet_at_a_key(*scene.camera.position, *scene.camera.target))
     throw Error(Fault::bad_data, {.where = where(document, "camera", "", "position"),
                                   .what = "is also the camera's target",
                                   .remedy = "move one of them"});

@@ -51,6 +51,7 @@ struct RenderObject {
   // its vertices one frame before and after, for motion vectors; null: where they are now
   std::shared_ptr<const TriangleMesh> previous = {}, next = {};
   std::vector<float> values = {};  // a number of each vertex, for a layer of its own, or empty
+  bool catches_shadows = false;    // seen only where other objects keep light from it (path tracer)
 
   /// Whether each material of the mesh has a paint of its own.
   bool has_paints() const {

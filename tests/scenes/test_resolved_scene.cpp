@@ -159,7 +159,7 @@ sky = { kind = "map", map = ")" +
   CHECK(std::get<Block>(again.obstacles[1].shape).half_size == std::get<Block>(scene.obstacles[1].shape).half_size);
   CHECK(again.obstacles[1].position.at(0)[1] == Approx(0.55));
   CHECK(again.obstacles[2].height == 3.0);
-  CHECK(again.lights[0].power == 1100);
+  CHECK(again.lights[0].power.at(0) == 1100);
   CHECK(again.render.sky_path == picture);
   CHECK(std::get<EnvironmentMap>(again.render.sky).rotation_degrees == 90);
 }

@@ -115,8 +115,10 @@ void add_neighbours(const Simulation& simulation, const Stage& stage, const std:
       if (!simulation.scene.obstacles[i].visible) continue;
       RenderObject& drawn = shot.objects[object++];
       const Pose then = pose_at(simulation.model.obstacles[i], state.time);
-      if (!is_same(then, pose_at(simulation.model.obstacles[i], now.time)))
-        drawn.*member = std::make_shared<const TriangleMesh>(moved(obstacle_surface(simulation, stage, i), then));
+      const std::shared_ptr<const TriangleMesh> surface = obstacle_surface(simulation, stage, i, state.time);
+      if (!is_same(then, pose_at(simulation.model.obstacles[i], now.time)) ||
+          surface != obstacle_surface(simulation, stage, i, now.time))
+        drawn.*member = std::make_shared<const TriangleMesh>(moved(*surface, then));
     }
   };
   place(frame - 1, &RenderObject::previous);

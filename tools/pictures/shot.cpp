@@ -88,7 +88,8 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
     shot.objects.push_back(
         {.name = "obstacle." + description.name,
          .mesh = std::make_shared<const TriangleMesh>(moved(*obstacle_surface(simulation, stage, i, time), pose)),
-         .look = description.look});
+         .look = description.look,
+         .catches_shadows = description.shadow_catcher});
   }
 }
 
@@ -106,18 +107,20 @@ std::shared_ptr<const TriangleMesh> obstacle_surface(const Simulation& simulatio
   return simulation.obstacles[obstacle].mesh ? obstacle_mesh(simulation, obstacle, time) : stage.ground;
 }
 
-AreaLight area_light(const LightDescription& description) {
-  const Vector3d forward = (description.target - description.position).normalized();
+AreaLight area_light(const LightDescription& description, double time) {
+  const Vector3d position = description.position.at(time);
+  const double size = description.size.at(time);
+  const Vector3d forward = (description.target.at(time) - position).normalized();
   const Vector3d helper = std::abs(forward.y()) < 0.99 ? Vector3d::UnitY() : Vector3d::UnitX();
   // it shines on the side of cross(u, v): along forward
-  const Vector3d u = helper.cross(forward).normalized() * description.size;
+  const Vector3d u = helper.cross(forward).normalized() * size;
   const Vector3d v = forward.cross(u);
-  const double radiance = description.power / (std::numbers::pi * description.size * description.size);
+  const double radiance = description.power.at(time) / (std::numbers::pi * size * size);
   AreaLight light;
-  light.corner = (description.position - 0.5 * u - 0.5 * v).cast<float>();
+  light.corner = (position - 0.5 * u - 0.5 * v).cast<float>();
   light.edge_u = u.cast<float>();
   light.edge_v = v.cast<float>();
-  light.radiance = (radiance * description.color).cast<float>();
+  light.radiance = (radiance * description.color.at(time)).cast<float>();
   return light;
 }
 
@@ -135,7 +138,6 @@ Box box_of(const Simulation& simulation, const Points& nodes) {
 
 Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range) {
   Stage stage;
-  for (const LightDescription& light : simulation.scene.lights) stage.lights.push_back(area_light(light));
   stage.sky = read_sky(simulation.scene.render);
   stage.ground = std::make_shared<const TriangleMesh>(make_plane(60 * box.diagonal().norm()));
   if (simulation.scene.render.wireframe) stage.cage_edges = outer_edges(simulation.model.hexes);
@@ -151,7 +153,7 @@ RenderScene make_shot(const Simulation& simulation, const Stage& stage, const St
                       const VectorXd& values) {
   const RenderDescription& render = simulation.scene.render;
   RenderScene shot;
-  shot.lights = stage.lights;
+  for (const LightDescription& light : simulation.scene.lights) shot.lights.push_back(area_light(light, state.time));
   shot.sky = stage.sky;
   shot.backdrop = render.backdrop;
   shot.camera = camera;

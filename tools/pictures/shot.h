@@ -15,7 +15,6 @@ namespace umax {
 
 /// What stays the same in all pictures of a run.
 struct Stage {
-  std::vector<AreaLight> lights;
   Sky sky;
   std::shared_ptr<const TriangleMesh> ground;   // square that half spaces are drawn as
   std::vector<std::pair<int, int>> cage_edges;  // the cage's outer edges, nodes of the model
@@ -44,7 +43,7 @@ std::shared_ptr<const TriangleMesh> obstacle_surface(const Simulation& simulatio
 /// A mesh in another place.
 TriangleMesh moved(const TriangleMesh& mesh, const Pose& pose);
 
-/// The rectangle that a scene's light is.
-AreaLight area_light(const LightDescription& light);
+/// The rectangle that a scene's light is at a time [s].
+AreaLight area_light(const LightDescription& light, double time = 0);
 
 }  // namespace umax

@@ -85,15 +85,16 @@ std::vector<AreaLight> lights_along(const std::vector<LightDescription>& lights,
                                     const Vector3d& right) {
   std::vector<AreaLight> all;
   for (const LightDescription& light : lights) {
-    const double distance = (light.target - light.position).norm();
+    const Vector3d position = light.position.at(0), target = light.target.at(0);
+    const double distance = (target - position).norm();
     double received = 0;
     for (const double at : places)
       for (const double from : places) received += std::pow(1 + std::pow((at - from) / distance, 2), -1.5);
     for (const double place : places) {
       LightDescription copy = light;
-      copy.position += place * right;
-      copy.target += place * right;
-      copy.power *= double(places.size()) / received;
+      copy.position = Vector3d(position + place * right);
+      copy.target = Vector3d(target + place * right);
+      copy.power = light.power.at(0) * double(places.size()) / received;
       all.push_back(area_light(copy));
     }
   }

@@ -16,7 +16,7 @@ AreaLight lamp_beside(const Camera& camera, double size) {
   const double distance = back.norm();
   LightDescription lamp{.name = "lamp"};
   lamp.target = target;
-  lamp.position = target + back + distance * (0.45 * left + 0.6 * Vector3d::UnitY());
+  lamp.position = Vector3d(target + back + distance * (0.45 * left + 0.6 * Vector3d::UnitY()));
   lamp.size = 0.6 * size;
   lamp.power = 5.5 * distance * distance;
   return area_light(lamp);

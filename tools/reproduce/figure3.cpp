@@ -110,7 +110,7 @@ Tile side_by_side(const std::vector<BeamRuns>& runs, const std::string& label) {
       all.backdrop = shot.backdrop;
     }
     all.lights = {area_light(
-        {.name = "key", .position = {-3, 4, 6}, .target = {0, -0.4, 0}, .size = 3, .power = 900, .color = {1, 1, 1}})};
+        {.name = "key", .position = Vector3d(-3, 4, 6), .target = Vector3d(0, -0.4, 0), .size = 3.0, .power = 900.0})};
     const double fov = 9, half_height = 0.5 * std::max(1.5, (width + 0.25) / aspect);
     all.camera.vertical_fov_degrees = float(fov);
     all.camera.position = Vector3f(0, -0.25f, float(half_height / std::tan(fov / 2 * std::numbers::pi / 180)));

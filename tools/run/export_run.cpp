@@ -12,6 +12,8 @@ ExportResult export_run(const Simulation& simulation, const std::filesystem::pat
   const ClipSource source{
       .state = [&](int frame) { return read_state(state_path(run, frame), simulation.model, simulation.digest); },
       .camera = [&] { return camera_of_run(simulation, run); }};
+  if (traits_of(options.format).has_camera && simulation.scene.camera.moves())
+    progress.note("the camera moves; exports have it where it is at time 0");
   ExportResult result = export_clip(simulation, source, frames, folder, options, progress);
   if (result.signal == 0)
     progress.note(fmt::format("{}: {} ({} frames)", traits_of(options.format).name, folder.string(), frames.size()));

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "scenes/resolved_scene.h"
 #include "tools/pictures/motion_blur.h"
@@ -58,6 +59,11 @@ std::string camera_text(const Camera& camera) {
   return text;
 }
 
+/// Of a camera that another program has animated.
+std::string file_text(const CameraDescription& camera) {
+  return camera.motion ? "camera " + sha256_hex(read_file(camera.file)) + " " : "";
+}
+
 /// Of a heat map's bar, whose range depends on the motion.
 std::string legend_text(const Stage& stage) {
   if (!stage.legend) return {};
@@ -98,17 +104,26 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
   auto stage = std::make_shared<const Stage>(make_stage(simulation, motion.box, motion.heat));
   RunPictures pictures;
-  pictures.digest = picture_digest(simulation, "run " + camera_text(camera) + legend_text(*stage));
+  pictures.digest = picture_digest(
+      simulation, "run " + camera_text(camera) + legend_text(*stage) + file_text(simulation.scene.camera));
   pictures.list.frames = frames;
-  pictures.list.shot = [&simulation, run, camera, stage](int frame) {
+  const auto camera_at = [&simulation, box = motion.box](double frame) {
+    const Scene& scene = simulation.scene;
+    return frame_camera(scene.camera, box, aspect_of(scene.render), (frame - 1) / scene.clip.fps);
+  };
+  pictures.list.shot = [&simulation, run, camera_at, stage](int frame) {
     const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
     const StateWindow window = states_for(simulation.scene.render, frame, simulation.last_frame());
     const std::vector<State> states = read_states(simulation, run, window);
     const auto state_of = [&](int number) { return states.begin() + (number - window.first); };
-    RenderScene shot = make_shot(simulation, *stage, *state_of(frame), camera);
+    RenderScene shot = make_shot(simulation, *stage, *state_of(frame), camera_at(frame));
     add_motion(simulation, *stage, {state_of(exposure.first_state()), state_of(exposure.last_state()) + 1}, exposure,
                frame, shot);
     add_neighbours(simulation, *stage, states, window, frame, shot);
+    if (!simulation.scene.camera.moves()) return shot;
+    add_camera_motion(exposure, camera_at, shot);
+    if (window.first < frame) shot.previous_camera = camera_at(frame - 1);
+    if (window.last > frame) shot.next_camera = camera_at(frame + 1);
     return shot;
   };
   return pictures;
@@ -116,7 +131,7 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
 
 Camera camera_of_run(const Simulation& simulation, const std::filesystem::path& run) {
   const CameraDescription& camera = simulation.scene.camera;
-  const bool is_given = camera.position && camera.target;
+  const bool is_given = camera.motion || (camera.position && camera.target);
   const Motion motion = is_given ? Motion() : motion_of(simulation, run);
   return frame_camera(camera, motion.box, aspect_of(simulation.scene.render));
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "embedding/cameras/moving_camera.h"
+
 namespace umax {
 namespace {
 
@@ -32,26 +34,40 @@ double fitting_distance(const Points& points, const Vector3d& target, const Vect
   return distance;
 }
 
-Camera camera_at(const CameraDescription& description, const Vector3d& position, const Vector3d& target) {
+Camera camera_at(const CameraDescription& description, const Vector3d& position, const Vector3d& target,
+                 double time = 0) {
   Camera camera;
   camera.position = position.cast<float>();
   camera.target = target.cast<float>();
-  camera.vertical_fov_degrees = float(description.vertical_fov_degrees);
-  camera.aperture_radius = float(description.aperture_radius);
-  camera.focus_distance = float(description.focus_distance);
+  camera.vertical_fov_degrees = float(description.vertical_fov_degrees.at(time));
+  camera.aperture_radius = float(description.aperture_radius.at(time));
+  camera.focus_distance = float(description.focus_distance.at(time));
+  return camera;
+}
+
+/// The file's camera; its target, which is where it is sharp, as far away as the middle of the box.
+Camera camera_of_file(const CameraDescription& description, const Box& box, double time) {
+  const MovingCamera& moving = *description.motion;
+  const CameraPlace place = moving.at(description.start.value_or(moving.start) + time);
+  const double depth = box.isEmpty() ? 0 : (box.center() - place.position).dot(place.forward);
+  Camera camera =
+      camera_at(description, place.position, place.position + (depth > 0 ? depth : 1.0) * place.forward, time);
+  camera.up = place.up.cast<float>();
+  camera.vertical_fov_degrees = float(place.vertical_fov_degrees);
   return camera;
 }
 
 }  // namespace
 
-Camera frame_camera(const CameraDescription& description, const Box& box, double aspect) {
-  const Vector3d target = description.target.value_or(Vector3d(box.center()));
-  if (description.position) return camera_at(description, *description.position, target);
+Camera frame_camera(const CameraDescription& description, const Box& box, double aspect, double time) {
+  if (description.motion) return camera_of_file(description, box, time);
+  const Vector3d target = description.target ? description.target->at(time) : Vector3d(box.center());
+  if (description.position) return camera_at(description, description.position->at(time), target, time);
   const Vector3d back = from_the_front.normalized();
   return camera_at(
       description,
-      target + back * fitting_distance(corners_of(box), target, back, description.vertical_fov_degrees, aspect),
-      target);
+      target + back * fitting_distance(corners_of(box), target, back, description.vertical_fov_degrees.at(0), aspect),
+      target, time);
 }
 
 Camera frame_points(const CameraDescription& description, const Points& points, double aspect, const Vector3d& back) {
@@ -62,9 +78,9 @@ Camera frame_points(const CameraDescription& description, const Points& points, 
     const VectorXd along = points * axis;
     target += 0.5 * (along.minCoeff() + along.maxCoeff()) * axis;
   }
-  return camera_at(description,
-                   target + back * fitting_distance(points, target, back, description.vertical_fov_degrees, aspect),
-                   target);
+  return camera_at(
+      description,
+      target + back * fitting_distance(points, target, back, description.vertical_fov_degrees.at(0), aspect), target);
 }
 
 Camera turntable_camera(const CameraDescription& description, const Box& box, double aspect, double turn) {
@@ -72,14 +88,14 @@ Camera turntable_camera(const CameraDescription& description, const Box& box, do
   const double radius = 0.5 * std::hypot(box.sizes().x(), box.sizes().z());
   const Vector3d half(radius, 0.5 * box.sizes().y(), radius);
   const Box round(box.center() - half, box.center() + half);
-  const Vector3d target = description.target.value_or(Vector3d(box.center()));
-  const Vector3d front =
-      (description.position ? Vector3d(*description.position - target) : from_the_front).normalized();
+  const Vector3d target = description.target ? description.target->at(0) : Vector3d(box.center());
+  const Vector3d from_target = description.position ? Vector3d(description.position->at(0) - target) : from_the_front,
+                 front = from_target.normalized();
   const double distance =
       description.position
-          ? (*description.position - target).norm()
+          ? from_target.norm()
           : fitting_distance(corners_of(round), target, Vector3d(0, front.y(), std::hypot(front.x(), front.z())),
-                             description.vertical_fov_degrees, aspect);
+                             description.vertical_fov_degrees.at(0), aspect);
   const Vector3d back = Eigen::AngleAxisd(2 * std::numbers::pi * turn, Vector3d::UnitY()) * front;
   return camera_at(description, target + back * distance, target);
 }

@@ -12,6 +12,7 @@
 #include "core/model/hex_limits.h"
 #include "core/problem/linear_plan.h"
 #include "embedding/cage/hex_cage.h"
+#include "embedding/cameras/moving_camera.h"
 #include "embedding/surface/contact_surface.h"
 #include "embedding/surface/distance_grid.h"
 #include "embedding/surface/placement.h"
@@ -255,6 +256,11 @@ void warn_of_fast_animations(const Model& model, double time_step, std::vector<s
   }
 }
 
+void read_camera(CameraDescription& camera) {
+  if (camera.file.empty()) return;
+  camera.motion = std::make_shared<const MovingCamera>(read_moving_camera(camera.file, camera.name));
+}
+
 }  // namespace
 
 CageOptions cage_options(const CageDescription& cage) {
@@ -295,6 +301,7 @@ Obstacle make_obstacle(const ObstacleDescription& description, const ClipDescrip
 Simulation set_up(const Scene& scene, const CageWatch& watch) {
   Simulation simulation;
   simulation.scene = scene;
+  read_camera(simulation.scene.camera);
   simulation.options.time_step = scene.clip.time_step();
   simulation.options.gravity = scene.clip.gravity;
   simulation.options.solver = scene.solver;

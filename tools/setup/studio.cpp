@@ -8,7 +8,7 @@ LightDescription light(const char* name, const Vector3d& position, double size, 
                        double scale, double floor) {
   LightDescription light;
   light.name = name;
-  light.position = scale * position + Vector3d(0, floor, 0);
+  light.position = Vector3d(scale * position + Vector3d(0, floor, 0));
   light.target = Vector3d(0, floor + 1.0 * scale, 0);
   light.size = scale * size;
   light.power = scale * scale * power;  // the same radiance from every size

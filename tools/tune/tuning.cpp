@@ -133,8 +133,9 @@ std::vector<Scene> scenes_of(const TunePlan& plan) {
   return scenes;
 }
 
-bool stands_still(const CameraDescription& camera) {
-  return camera.position && camera.target;
+/// Whether the scene says where it is at all times.
+bool is_given(const CameraDescription& camera) {
+  return !camera.file.empty() || (camera.position && camera.target);
 }
 
 /// Where the scene does not say, all variants are seen by one camera that frames the motion of all.
@@ -142,9 +143,10 @@ void share_camera(const std::vector<VariantMeasures>& measures, std::vector<Scen
   Box box;
   for (const VariantMeasures& one : measures) box.extend(one.box);
   for (Scene& scene : scenes) {
+    if (is_given(scene.camera)) continue;
     const Camera camera = frame_camera(scene.camera, box, double(scene.render.width) / scene.render.height);
-    scene.camera.position = camera.position.cast<double>();
-    scene.camera.target = camera.target.cast<double>();
+    if (!scene.camera.position) scene.camera.position = Vector3d(camera.position.cast<double>());
+    if (!scene.camera.target) scene.camera.target = Vector3d(camera.target.cast<double>());
   }
 }
 
@@ -237,7 +239,7 @@ int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptio
   Runner runner(plan, folder, options, progress);
   std::vector<Scene> scenes = scenes_of(plan);
   std::vector<VariantMeasures> measures;
-  if (!std::all_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return stands_still(scene.camera); })) {
+  if (!std::all_of(scenes.begin(), scenes.end(), [](const Scene& scene) { return is_given(scene.camera); })) {
     runner.run(scenes, Stage::simulate);
     if (stop_signal() != 0) return stopped(progress);
     measure_all(scenes, plan, folder, runner, measures);
