@@ -42,7 +42,7 @@ TEST_CASE("things in a strip stand side by side on one ground, all in the pictur
 
   // the ground once; block and post three times
   REQUIRE(strip.objects.size() == 1 + 3 * 2);
-  CHECK(strip.objects[0].name == "ground");
+  CHECK(strip.objects[0].name == "obstacle.ground");
   const Vector3d back = (strip.camera.position - strip.camera.target).cast<double>().normalized();
   const Vector3d right = Vector3d::UnitY().cross(back).normalized();
   double previous = -1e9;
