@@ -120,6 +120,8 @@ SceneSection obstacle_section() {
   keys.add("rotation", TrackKind<VectorKind>{{units::angle, {.low = -1e6, .high = 1e6}}}, UMAX_FIELD(rotation_degrees),
            "about world X, then Y, then Z");
   keys.add("visible", FlagKind(), UMAX_FIELD(visible), "whether pictures show it");
+  keys.add("shadow_catcher", FlagKind(), UMAX_FIELD(shadow_catcher),
+           "pictures show the shadows that fall on it, and what is behind it (embree)");
   add_look_keys(keys);
   return section;
 }

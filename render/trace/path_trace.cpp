@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "render/trace/caught_light.h"
 #include "render/trace/enough_samples.h"
 #include "render/trace/tile_parts.h"
 
@@ -68,8 +69,9 @@ struct TileArea {
 // Paths on their way into sums, traced in waves.
 class PathQueue {
  public:
-  PathQueue(const PathTracer& tracer, const Crop& crop, std::vector<RecordedRay>* recording, TileParts& parts)
-      : wave_(tracer), crop_(crop), recording_(recording), parts_(parts) {}
+  PathQueue(const PathTracer& tracer, const Crop& crop, std::vector<RecordedRay>* recording, TileParts& parts,
+            CaughtLight& caught)
+      : wave_(tracer), crop_(crop), recording_(recording), parts_(parts), caught_(caught) {}
 
   /// Samples `begin` to `end` - 1 of a pixel of the crop.
   void add(int column, int row, int stream, int begin, int end, PixelSum& sum) {
@@ -83,9 +85,10 @@ class PathQueue {
   void flush() {
     const PathResult* results = wave_.trace(starts_, recording_);
     for (std::size_t i = 0; i < starts_.size(); ++i) sums_[i]->add(results[i], starts_[i].sample);
-    if (parts_.are_wanted())
-      for (std::size_t i = 0; i < starts_.size(); ++i)
-        parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, results[i]);
+    for (std::size_t i = 0; i < starts_.size() && parts_.are_wanted(); ++i)
+      parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, results[i]);
+    for (std::size_t i = 0; i < starts_.size() && caught_.is_wanted(); ++i)
+      caught_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i], results[i]);
     starts_.clear();
     sums_.clear();
   }
@@ -95,6 +98,7 @@ class PathQueue {
   Crop crop_;
   std::vector<RecordedRay>* recording_;
   TileParts& parts_;
+  CaughtLight& caught_;
   std::vector<PathStart> starts_;
   std::vector<PixelSum*> sums_;
 };
@@ -183,6 +187,8 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
                     .samples = Image(width, height, 1),
                     .alpha = Image(width, height, 1),
                     .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
+  if (CaughtLight(scene, 0, 0).is_wanted())
+    image.caught = CaughtImage{Image(width, height), Image(width, height), Image(width, height, 1)};
   const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);
@@ -194,12 +200,14 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
     const int left = int(tile % columns) * tile_size, top = int(tile / columns) * tile_size;
     const TileArea area{left, top, std::min(left + tile_size, width), std::min(top + tile_size, height)};
     TileParts parts(rays.objects(), options.mattes, left, top);
-    PathQueue queue(tracer, crop, options.recording ? &(*options.recording)[tile] : nullptr, parts);
+    CaughtLight caught(scene, left, top);
+    PathQueue queue(tracer, crop, options.recording ? &(*options.recording)[tile] : nullptr, parts, caught);
     if (options.noise > 0)
       trace_tile(queue, area, enough, image);
     else
       trace_tile(queue, area, options.samples, image);
     parts.store(image);
+    caught.store(image);
     progress.add_one();
   });
   return image;

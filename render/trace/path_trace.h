@@ -34,6 +34,12 @@ struct PathTraceOptions {
   RayRecording* recording = nullptr;             // receives every ray (for measurements; costs memory)
 };
 
+/// The part of a picture that comes from surfaces that catch shadows.
+struct CaughtImage {
+  Image light, half;  // 3: as TracedImage::color and half, of paths whose first surface is such a one
+  Image share;        // 1: of such paths in all
+};
+
 /// A picture and what guides a filter. All of one size (the crop's, if any), all scene-linear.
 struct TracedImage {
   Image color;     // 3 channels
@@ -48,6 +54,7 @@ struct TracedImage {
   // one per PathTraceOptions::mattes, of 2 matte_ranks channels: pairs of a part's number and the share of the paths that
   // met it first, by falling share; 0 where there are fewer
   std::vector<Image> mattes;
+  std::optional<CaughtImage> caught = {};  // where anything catches shadows: it is shown like anything else
 };
 
 /// Traces a picture. The values do not depend on the number of threads, tiles or the crop. Throws Error 65 for scenes

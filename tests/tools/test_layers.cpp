@@ -67,7 +67,7 @@ TEST_CASE("layers are those that are asked for, and pictures the same with and w
   REQUIRE(exit_code_of(run_words(scene, folder / "plain", {})) == 0);
   REQUIRE(exit_code_of(run_words(scene, folder / "all", all_layers)) == 0);
   CHECK_FALSE(fs::exists(folder / "plain/frames/0003.exr"));
-  CHECK(file_text(folder / "all/frames/0003.png") == file_text(folder / "plain/frames/0003.png"));
+  CHECK((file_text(folder / "all/frames/0003.png") == file_text(folder / "plain/frames/0003.png")));
 
   const fs::path exr = folder / "all/frames/0003.exr";
   const std::set<std::string> wanted{"",
@@ -114,13 +114,13 @@ TEST_CASE("layered pictures are the same bytes frame by frame and for a clip tha
   REQUIRE(exit_code_of(run_words(scene, folder / "whole", more)) == 0);
   REQUIRE(exit_code_of(run_words(scene, folder / "single", more + Words{"--frames", "3"})) == 0);
   CHECK(states_of(folder / "single").size() == 4);
-  CHECK(file_text(folder / "single/frames/0003.exr") == file_text(folder / "whole/frames/0003.exr"));
+  CHECK((file_text(folder / "single/frames/0003.exr") == file_text(folder / "whole/frames/0003.exr")));
 
   REQUIRE(exit_code_of(run_words(scene, folder / "grown", more + Words{"--set", "clip.frames=4"})) == 0);
-  CHECK(file_text(folder / "grown/frames/0004.exr") != file_text(folder / "whole/frames/0004.exr"));
+  CHECK((file_text(folder / "grown/frames/0004.exr") != file_text(folder / "whole/frames/0004.exr")));
   REQUIRE(exit_code_of(run_words(scene, folder / "grown", more)) == 0);
   for (const char* frame : {"0001.exr", "0003.exr", "0004.exr", "0006.exr"})
-    CHECK(file_text(folder / "grown/frames" / frame) == file_text(folder / "whole/frames" / frame));
+    CHECK((file_text(folder / "grown/frames" / frame) == file_text(folder / "whole/frames" / frame)));
 }
 
 TEST_CASE("a transparent picture has alpha where the sky was, and its clip is made") {
@@ -155,4 +155,20 @@ TEST_CASE("layers that are not there, and engines that have none, are told with 
   refused({"--set", "render.layers=3"}, "render.layers");
   refused(all_layers + Words{"--engine", "osmesa"}, "--engine embree");
   refused({"--set", "render.transparent=true", "--engine", "osmesa"}, "--engine embree");
+}
+
+TEST_CASE("a ground that catches shadows is seen in them alone") {
+  const TemporaryFolder folder;
+  const fs::path scene = layered_scene(folder);
+  const Words words{"--set", "render.transparent=true", "--set",    "obstacle.ground.shadow_catcher=true",
+                    "--set", "render.samples=16",       "--frames", "1"};
+  REQUIRE(exit_code_of(run_words(scene, folder / "caught", words)) == 0);
+  const Image8 picture = read_png8(folder / "caught/frames/0001.png");
+  REQUIRE(picture.channels == 4);
+  CHECK(picture.pixel(0, picture.height - 1)[3] < 40);
+  CHECK(picture.pixel(picture.width / 2, picture.height / 2)[3] == 255);
+  const ProcessResult refused = umax_program(
+      run_words(scene, folder / "bad", {"--set", "obstacle.ground.shadow_catcher=true", "--engine", "osmesa"}));
+  CHECK(refused.exit_code == 65);
+  CHECK(refused.messages.find("--engine embree") != std::string::npos);
 }

@@ -5,6 +5,7 @@
 
 #include "render/image/cryptomatte.h"
 #include "render/scene/camera.h"
+#include "render/trace/cut_out.h"
 #include "render/trace/denoise.h"
 #include "render/trace/path_trace.h"
 #include "render/trace/surface_data.h"
@@ -135,10 +136,15 @@ TracedPicture trace_picture(const RenderScene& shot, const RenderDescription& re
     parts = parts_of(shot);
     options.mattes = parts.numbers;
   }
-  TracedImage traced = path_trace(rays, shot, options);
+  const bool is_cut_out = shot.transparent || has_shadow_catchers(shot);
+  TracedImage traced = path_trace(rays, is_cut_out ? made_transparent(shot) : shot, options);
   TracedPicture picture;
   if (stop_flag()) return picture;
-  if (render.denoise) traced.color = denoise(traced);
+  if (is_cut_out)
+    finish_cut_out(shot, options, render.denoise, traced);
+  else if (render.denoise)
+    traced.color = denoise(traced);
+  if (stop_flag()) return picture;
   const bool has_layers = !render.layers.empty();
   if (has_layers && !render.transparent) std::fill(traced.alpha.values.begin(), traced.alpha.values.end(), 1.0f);
   const bool has_alpha = has_layers || render.transparent;
