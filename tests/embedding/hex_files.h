@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/model/lattice.h"
+#include "tests/embedding/raw_bytes.h"
 #include "tests/support/distorted.h"
 
 namespace umax::testing {
@@ -43,13 +44,6 @@ inline HexDocument document_of(const Lattice& lattice) {
   return document;
 }
 
-template <class T>
-std::string raw(T value, bool big_endian = false) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  if (big_endian) std::reverse(bytes.begin(), bytes.end());
-  return bytes;
-}
 template <class T, class List>
 std::string raw_list(const List& values, bool big_endian = false) {
   std::string bytes;

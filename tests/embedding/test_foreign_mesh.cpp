@@ -10,19 +10,15 @@
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
+#include "tests/support/replaced.h"
 
 using namespace umax;
 using namespace umax::testing;
 using umax::test::contains;
 using umax::test::failure_of;
+using umax::test::replaced;
 
 namespace {
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
 
 /// A geometry and a model of one number: the library follows the one where it means the other.
 std::string colliding_fbx() {

@@ -7,13 +7,14 @@
 #include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/hex_faces.h"
 #include "embedding/surface/mesh_report.h"
+#include "tests/embedding/hex_file_checks.h"
 #include "tests/embedding/hex_files.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
-#include "tools/system/exit_code.h"
 
 using namespace umax;
 using namespace umax::testing;
+using umax::test::replaced;
 
 namespace {
 
@@ -26,39 +27,6 @@ void check_sample(const std::string& name, const std::string& content, bool with
   CHECK(mesh.young_factor.size() == 0);
   REQUIRE(mesh.limit_factor.size() == (with_factors ? 12 : 0));
   for (Eigen::Index e = 0; e < mesh.limit_factor.size(); ++e) CHECK(mesh.limit_factor[e] == 1 + 0.25 * double(e));
-}
-
-void refuses(const std::string& name, const std::string& content, const std::string& text) {
-  CAPTURE(name, text);
-  try {
-    load_hex_mesh(write_file(name, content));
-  } catch (const Error& error) {
-    CAPTURE(std::string(error.what()));
-    CHECK(exit_code_of(error.fault()) == 65);
-    CHECK(std::string(error.what()).find(name) != std::string::npos);
-    CHECK(std::string(error.what()).find(text) != std::string::npos);
-    CHECK(std::string(error.what()).size() < 700);
-    return;
-  }
-  FAIL_CHECK("was accepted");
-}
-
-std::string replaced(std::string text, const std::string& old_part, const std::string& new_part) {
-  const std::size_t at = text.find(old_part);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, old_part.size(), new_part);
-}
-
-// hexes without the vertex, the factors and the rest: easy to spoil
-std::string plain_vtk(const HexDocument& mesh) {
-  std::string text = fmt::format("# vtk DataFile Version 2.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
-                                 mesh.nodes.rows());
-  for (const auto& x : mesh.nodes.rowwise()) text += fmt::format("{:.17g} {:.17g} {:.17g}\n", x[0], x[1], x[2]);
-  text += fmt::format("CELLS {} {}\n", mesh.hexes.size(), 9 * mesh.hexes.size());
-  for (const auto& hex : mesh.hexes) text += fmt::format("8 {}\n", fmt::join(hex, " "));
-  text += fmt::format("CELL_TYPES {}\n", mesh.hexes.size());
-  for (std::size_t e = 0; e < mesh.hexes.size(); ++e) text += "12\n";
-  return text;
 }
 
 }  // namespace
@@ -230,133 +198,4 @@ TEST_CASE("meshes of hexes that cannot be simulated are refused with what is wro
   bad.limit_factor[4] = -2;
   refuses("factor.vtu", vtu(bad, {}), "limit_factor of cell 4 must be positive and finite, got -2");
   refuses("width.vtk", replaced(vtk_legacy(good, 3, false), "limit_factor 1 13", "limit_factor 2 13"), "");
-}
-
-TEST_CASE("files of hexes that are damaged are refused, wherever they end") {
-  const HexDocument good = document_of(sample_lattice());
-  const std::vector<std::pair<std::string, std::string>> whole{
-      {"cut22.msh", gmsh_2(good, false)},
-      {"cut22b.msh", gmsh_2(good, true)},
-      {"cut41.msh", gmsh_4(good, false)},
-      {"cut41b.msh", gmsh_4(good, true)},
-      {"cut2.vtk", plain_vtk(good)},
-      {"cut5.vtk", vtk_legacy(good, 5, false)},
-      {"cut5b.vtk", vtk_legacy(good, 5, true)},
-      {"cut.vtu", vtu(good, {})},
-      {"cutb.vtu", vtu(good, {.format = "binary", .compressed = true})},
-      {"cutr.vtu", vtu(good, {.format = "appended", .encoding = "raw"})},
-      {"cutz.vtu", vtu(good, {.format = "appended", .encoding = "raw", .compressed = true})}};
-  for (const auto& [name, text] : whole) {
-    // what ends in the last tenth of a legacy file may be whole but for data that nobody asks for
-    const double last = name.ends_with(".vtk") && name != "cut2.vtk" ? 0.5 : 0.97;
-    for (const double share : {0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97})
-      if (share <= last) refuses(name, text.substr(0, std::size_t(share * double(text.size()))), "");
-  }
-  std::string noise;
-  test::Random random(3);
-  for (int i = 0; i < 5000; ++i) noise += char(int(random.uniform(0, 256)));
-  for (const char* name : {"noise.msh", "noise.vtk", "noise.vtu"}) {
-    refuses(name, noise, "");
-    refuses(name, "\n", "");
-  }
-  refuses("noise2.msh", "$MeshFormat\n2.2 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n100\n" + noise, "");
-  refuses("noise40.msh", "$MeshFormat\n4 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n" + noise, "");
-  refuses("noise4.msh", "$MeshFormat\n4.1 1 8\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n" + noise, "");
-  refuses("noise5.vtk", "# vtk DataFile Version 5.1\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n" + noise,
-          "");
-}
-
-TEST_CASE("files of hexes with bytes changed are read or refused, whatever the bytes") {
-  const HexDocument good = document_of(sample_lattice());
-  const std::vector<std::pair<std::string, std::string>> whole{
-      {"fuzz22.msh", gmsh_2(good, false)},
-      {"fuzz22b.msh", gmsh_2(good, true)},
-      {"fuzz41.msh", gmsh_4(good, false)},
-      {"fuzz41b.msh", gmsh_4(good, true)},
-      {"fuzz4.vtk", vtk_legacy(good, 4, false)},
-      {"fuzz4b.vtk", vtk_legacy(good, 4, true)},
-      {"fuzz5.vtk", vtk_legacy(good, 5, false)},
-      {"fuzz5b.vtk", vtk_legacy(good, 5, true)},
-      {"fuzz.vtu", vtu(good, {})},
-      {"fuzzb.vtu", vtu(good, {.format = "binary", .compressed = true})},
-      {"fuzzr.vtu", vtu(good, {.format = "appended", .encoding = "raw"})},
-      {"fuzzz.vtu", vtu(good, {.format = "appended", .encoding = "raw", .compressed = true})}};
-  test::Random random(11);
-  int refused = 0, read = 0;
-  for (const auto& [name, text] : whole)
-    for (int round = 0; round < 150; ++round) {
-      std::string spoilt = text;
-      const int changes = 1 << (round % 4);
-      for (int c = 0; c < changes; ++c) {
-        // half of them near the front, where the headers are
-        const double reach = c % 2 ? double(text.size()) : std::min(400.0, double(text.size()));
-        const auto at = std::size_t(random.uniform(0, reach));
-        spoilt[at] = round % 3 ? char(int(random.uniform(0, 256))) : char('0' + int(random.uniform(0, 10)));
-      }
-      CAPTURE(name, round);
-      try {
-        const HexMesh mesh = load_hex_mesh(write_file(name, spoilt));
-        CHECK(mesh.nodes.allFinite());
-        CHECK(mesh.hexes.minCoeff() >= 0);
-        CHECK(mesh.hexes.maxCoeff() < mesh.nodes.rows());
-        ++read;
-      } catch (const Error& error) {
-        CHECK(error.fault() == Fault::bad_data);
-        ++refused;
-      }
-    }
-  CHECK(refused > 300);
-  CHECK(read > 100);
-}
-
-TEST_CASE("headers of hex files that promise more than there is, or what is not read, are refused") {
-  const HexDocument good = document_of(sample_lattice());
-  const std::string vtk = plain_vtk(good), msh = gmsh_2(good, false), msh4 = gmsh_4(good, false);
-  const std::string huge = "999999999999";
-  refuses("p.msh", replaced(msh, "$Nodes\n36", "$Nodes\n" + huge), "promises 999999999999 nodes");
-  refuses("p.msh", replaced(msh, "$Elements\n13", "$Elements\n" + huge), "promises 999999999999 elements");
-  refuses("p.msh", replaced(msh, "$Elements\n13", "$Elements\n14"), "");
-  refuses("p.msh", replaced(msh, "$Elements\n13", "$Elements\n12"), "$EndElements");
-  refuses("p.msh", replaced(msh, "$Nodes\n36", "$Nodes\n-1"), "promises -1 nodes");
-  refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n2 37"), "1 are missing");
-  refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n2 35"), "more nodes than promised");
-  refuses("p4.msh", replaced(msh4, "$Nodes\n2 36", "$Nodes\n" + huge + " 36"), "promises");
-  const std::string msh1 = gmsh_1(good), msh40 = gmsh_4_0(good, false);
-  refuses("p1.msh", replaced(msh1, "$NOD\n36", "$NOD\n" + huge), "promises 999999999999 nodes");
-  refuses("p1.msh", replaced(msh1, "$ELM\n13", "$ELM\n14"), "");
-  refuses("p1.msh", replaced(msh1, "$ELM\n13", "$ELM\n12"), "$ENDELM");
-  refuses("p1.msh", replaced(msh1, "2 5 1 1 8", "2 5 1 1 7"), "wrong number of nodes");
-  refuses("p1.msh", msh1.substr(0, msh1.find("$ELM")), "has no $Elements");
-  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n2 37"), "1 are missing");
-  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n2 35"), "more nodes than promised");
-  refuses("p40.msh", replaced(msh40, "$Nodes\n2 36", "$Nodes\n" + huge + " 36"), "promises");
-  refuses("p40.msh", replaced(msh40, "$Elements\n2 13", "$Elements\n2 14"), "1 are missing");
-  refuses("p40.msh", msh40.substr(0, msh40.size() / 2), "");
-  refuses("v.msh", replaced(msh, "2.2 0 8", "5 0 8"), "got 5; save it as version 4.1 or 2.2");
-  refuses("v.msh", replaced(msh, "2.2 0 8", "2.2 0 4"), "size that is not read");
-  refuses("order.msh", replaced(gmsh_2(good, true), raw(1), raw(1, true)), "other byte order");
-  refuses("word.msh", replaced(msh, "$EndNodes", "$EndNode"), "$EndNodes");
-  refuses("p.vtk", replaced(vtk, "POINTS 36", "POINTS " + huge), "promises");
-  refuses("p.vtk", replaced(vtk, "POINTS 36", "POINTS 35"), "");
-  refuses("p.vtk", replaced(vtk, "CELLS 12 108", "CELLS 12 " + huge), "promises");
-  refuses("p.vtk", replaced(vtk, "CELLS 12 108", "CELLS 11 108"), "longer than its cells");
-  refuses("p.vtk", replaced(vtk, "CELL_TYPES 12", "CELL_TYPES 11"), "");
-  refuses("p.vtk", replaced(vtk, "\n8 ", "\n7 "), "");
-  refuses("k.vtk", replaced(vtk, "UNSTRUCTURED_GRID", "STRUCTURED_GRID"), "unstructured grid");
-  refuses("k.vtk", replaced(vtk, "Version 2.0", "Version 7.0"), "unknown version");
-  refuses("k.vtk", replaced(vtk, "CELL_TYPES", "CELL_KINDS"), "unknown keyword");
-  refuses("k.vtk", replaced(vtk, " double", " decimal"), "unknown type");
-  const std::string xml = vtu(good, {}),
-                    packed = vtu(good, {.format = "appended", .encoding = "raw", .compressed = true});
-  refuses("p.vtu", replaced(xml, "NumberOfPoints=\"36\"", "NumberOfPoints=\"" + huge + "\""),
-          "as promised, got 108 of");
-  refuses("p.vtu", replaced(xml, "NumberOfCells=\"12\"", "NumberOfCells=\"13\""), "as promised");
-  refuses("p.vtu", replaced(xml, "NumberOfComponents=\"3\"", "NumberOfComponents=\"2\""), "three components");
-  refuses("p.vtu", replaced(xml, "\"connectivity\"", "\"links\""), "no array \"connectivity\"");
-  refuses("p.vtu", replaced(xml, "Int64", "Int99"), "unknown type");
-  refuses("k.vtu", replaced(xml, "type=\"UnstructuredGrid\"", "type=\"PolyData\""), "got PolyData");
-  refuses("k.vtu", replaced(xml, "</Cells>", "</Cell>"), "no valid XML");
-  refuses("k.vtu", replaced(packed, "vtkZLib", "vtkLZ4"), "compressed in a way that is not read");
-  refuses("o.vtu", replaced(packed, "offset=\"0\"", "offset=\"99999\""), "behind the appended data");
-  refuses("o.vtu", replaced(packed, "offset=\"0\"", "offset=\"7\""), "");
 }

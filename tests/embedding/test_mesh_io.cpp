@@ -4,10 +4,12 @@
 #include "tests/embedding/mesh_files.h"
 #include "tests/embedding/meshes.h"
 #include "tests/support/catch.h"
+#include "tests/support/replaced.h"
 #include "tools/system/exit_code.h"
 
 using namespace umax;
 using namespace umax::testing;
+using umax::test::replaced;
 
 namespace {
 
@@ -44,11 +46,6 @@ void refuses(int exit_code, const std::filesystem::path& path, const std::string
   CHECK(code == exit_code);
   CHECK(message.find(part_of_message) != std::string::npos);
   CHECK(message.find(path.filename().string()) != std::string::npos);
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  text.replace(text.find(from), from.size(), to);
-  return text;
 }
 
 }  // namespace

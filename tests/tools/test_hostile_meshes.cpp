@@ -1,18 +1,14 @@
 // Mesh files that crash the library that reads them, as a user of the program sees it, built and installed.
 #include "tests/embedding/mesh_files.h"
 #include "tests/support/catch.h"
+#include "tests/support/replaced.h"
 #include "tests/tools/program.h"
 
 using namespace umax;
+using umax::test::replaced;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
 
 /// Two objects of one number.
 std::string colliding_fbx() {
