@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -34,6 +35,29 @@ class SerialOpenMp {
   static inline const auto set_levels =
       reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
   int levels_ = 1;
+};
+
+// While one lives, calls of OpenBLAS use one thread each: how it shares out a product among several changes the last bits.
+// Afterwards it uses as many as it did, for whoever else there is in the process.
+class OneBlasThread {
+ public:
+  OneBlasThread() {
+    const std::lock_guard lock(mutex);
+    if (users++ == 0 && get_threads && set_threads) before = get_threads(), set_threads(1);
+  }
+  ~OneBlasThread() {
+    const std::lock_guard lock(mutex);
+    if (--users == 0 && get_threads && set_threads) set_threads(before);
+  }
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+ private:
+  static inline const auto get_threads = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  static inline const auto set_threads =
+      reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  static inline std::mutex mutex;
+  static inline int users = 0, before = 1;
 };
 
 // May several threads call the BLAS at once? Not unless it says so.
@@ -110,6 +134,7 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
   cholmod_sparse matrix = lower_triangle(std::size_t(lower.rows()), std::size_t(lower.nonZeros()),
                                          lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr());
   const SerialOpenMp serial;
+  const OneBlasThread one_thread;
   cholmod_common common{};
   cholmod_start(&common);
   common.print = 0;
@@ -194,6 +219,7 @@ void SparseCholesky::analyse(const SystemMatrix& matrix) {
 
 bool SparseCholesky::factorize(const SystemMatrix& matrix) {
   const SerialOpenMp serial;
+  const OneBlasThread one_thread;
   cholmod_common& common = data_->common;
   if (!data_->factor) analyse(matrix);
   cholmod_sparse view = lower_triangle(matrix);
@@ -227,6 +253,7 @@ void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
   const SerialOpenMp serial;
+  const OneBlasThread one_thread;
   if (!cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y,
                       &data_->work_e, &data_->common))
     throw std::runtime_error("the sparse solver failed to solve with its factor");

@@ -17,7 +17,7 @@ namespace umax {
 /// hexes: #E x 8.
 std::vector<int> elimination_order(const Hexes& hexes, Eigen::Index num_nodes, const std::vector<int>& last);
 
-/// Owns a factor. Deterministic: one BLAS thread is the caller's duty (tools set it), orderings are seeded.
+/// Owns a factor. Deterministic: the BLAS is told to use one thread a call, orderings are seeded.
 class SparseCholesky {
  public:
   SparseCholesky();
