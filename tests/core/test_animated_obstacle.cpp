@@ -90,7 +90,7 @@ TEST_CASE("moved triangles have the distances of a surface made anew") {
   }
 }
 
-TEST_CASE("triangles tell inside from outside; open ones push from both of their sides") {
+TEST_CASE("triangles tell inside from outside, and open ones push from both of their sides") {
   const BoxMesh box = box_mesh({-1, -1, -1}, {1, 1, 1});
   TriangleShape closed;
   closed.surface = std::make_shared<const RestSurface>(make_rest_surface(box.corners, box.triangles));
