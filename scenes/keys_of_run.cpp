@@ -28,6 +28,15 @@ SceneSection clip_section() {
            "acceleration of gravity");
   keys.add("allow_overlap", FlagKind(), UMAX_FIELD(allow_overlap),
            "starts although bodies are deep inside each other; they are pushed apart slowly");
+  const NumberKind duration{units::time, not_negative};
+  keys.add_custom(
+      "preroll", duration.type(),
+      "time before the first frame, not shown, in which bodies get from rest to where their pins are then",
+      {.unset = "0"},
+      [duration](const SceneValue& value, ClipDescription& clip) { clip.preroll = duration.read(value); },
+      [](const ClipDescription& clip) {
+        return clip.preroll > 0 ? std::optional(number_text(clip.preroll)) : std::nullopt;
+      });
   return section;
 }
 

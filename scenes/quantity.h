@@ -31,6 +31,7 @@ inline constexpr Unit rate{{.time = -1}, "1/s", "1/s, Hz", "60 Hz"};
 inline constexpr Unit speed{{.length = 1, .time = -1}, "m/s", "m/s, cm/s, km/h", "2 m/s"};
 inline constexpr Unit acceleration{{.length = 1, .time = -2}, "m/s^2", "m/s^2", "9.81 m/s^2"};
 inline constexpr Unit force{{.length = 1, .mass = 1, .time = -2}, "N", "N, mN, kN", "10 N"};
+inline constexpr Unit stiffness{{.mass = 1, .time = -2}, "N/m", "N/m, kN/m, N/mm", "500 N/m"};
 inline constexpr Unit pressure{{.length = -1, .mass = 1, .time = -2}, "Pa", "Pa, kPa, MPa, GPa, N/m^2", "500 kPa"};
 inline constexpr Unit energy{{.length = 2, .mass = 1, .time = -2}, "J", "J, mJ, kJ, N m", "100 J"};
 inline constexpr Unit energy_density{

@@ -28,7 +28,7 @@ std::string resolved_toml(const Scene& scene, const Comments& comments) {
     }
     const std::vector<std::string> names = section.names(scene);
     for (std::size_t i = 0; i < names.size(); ++i) {
-      text += "\n[" + section.name + "." + names[i] + "]\n";
+      text += "\n[" + section.header(names[i]) + "]\n";
       write_keys(section, scene, i, names[i], comments, text);
     }
   }

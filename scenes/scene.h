@@ -23,6 +23,7 @@ struct ClipDescription {
   int substeps = 1;               // time steps a frame
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   bool allow_overlap = false;     // bodies that are deep inside each other at the start
+  double preroll = 0;  // [s] before the first frame, in which pins lead from rest to where they are at time 0
   double time_step() const { return 1.0 / (fps * substeps); }
 };
 
@@ -104,6 +105,29 @@ struct BodyDescription {
 
   /// Whether the mesh is a file of hexes, which are then the cage.
   bool brings_its_hexes() const;
+};
+
+/// Points of a body that follow keyframes or an animation.
+struct PinDescription {
+  struct Box {
+    std::optional<Vector3d> min, max;  // [m] world coordinates of the initial placed shape
+  };
+  struct Sphere {
+    std::optional<Vector3d> centre;  // [m] likewise
+    std::optional<double> radius;    // [m]
+  };
+  std::string body, name;
+  Box box;  // which points; one of these four
+  Sphere sphere;
+  std::filesystem::path map;  // absolute: a painted mesh; empty: none
+  MeshSource inside;          // a mesh in the body's own units and axes; path empty: none
+  std::string map_sha256;     // filled when the scene is read
+  std::optional<Track<Vector3d>> position, rotation_degrees;  // by how much they are moved, turned about the pivot
+  std::optional<Vector3d> pivot;                              // [m] unset: the middle of the points
+  CacheSource cache;
+  std::optional<double> from, until;  // [s] unset: from the beginning, to the end
+  std::optional<double>
+      stiffness;  // [N/m] of a spring on each point; unset: exact, and of a map's half weight the hex's own
 };
 
 /// make_bowl() in embedding/surface/shapes.h.
@@ -206,6 +230,7 @@ struct Scene {
   SolverOptions solver;
   std::vector<BodyDescription> bodies;  // in order of name: no result depends on a file's order
   std::vector<ObstacleDescription> obstacles;
+  std::vector<PinDescription> pins;
   std::vector<PairDescription> pairs;
   std::vector<ProbeDescription> probes;
   CameraDescription camera;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/base/nearest_word.h"
+#include "scenes/quantity.h"
 
 namespace umax {
 namespace {
@@ -65,6 +66,26 @@ void check_pairs(const Scene& scene, const SceneDocument& document) {
                    .what = "are the bodies of [pair." + first->second + "], too",
                    .value = "[" + toml_string(pair.bodies[0]) + ", " + toml_string(pair.bodies[1]) + "]",
                    .remedy = "remove one of the two pairs"});
+  }
+}
+
+void check_pins(const Scene& scene, const SceneDocument& document) {
+  for (const PinDescription& pin : scene.pins) {
+    const std::string name = pin.body + "." + pin.name;
+    if (!pin.box.min && !pin.sphere.centre && pin.map.empty() && pin.inside.path.empty())
+      throw Error(Fault::bad_data, {.where = where(document, "pin", name, "box"),
+                                    .what = "is missing: the pin does not say what it holds",
+                                    .remedy = "give one of box, sphere, map and inside"});
+    if (pin.from && pin.until && *pin.from >= *pin.until)
+      throw Error(Fault::bad_data, {.where = where(document, "pin", name, "until"),
+                                    .what = "is no later than from",
+                                    .value = number_text(*pin.until) + " s",
+                                    .remedy = "give a later time, or leave it out"});
+    if (scene.solver.method == SolverMethod::paper)
+      throw Error(Fault::bad_data, {.where = where(document, "solver", "", "method"),
+                                    .what = "is the paper's, which knows no pins",
+                                    .value = "\"paper\"",
+                                    .remedy = "leave it out, or remove body." + pin.body + ".pin"});
   }
 }
 
@@ -134,6 +155,7 @@ void complete_and_check(Scene& scene, const SceneDocument& document) {
                                   .remedy = "add one: [body.NAME] with mesh = \"PATH\" or shape = \"sphere\""});
   check_meshes(scene, document);
   check_pairs(scene, document);
+  check_pins(scene, document);
   complete_probes(scene, document);
   check_views(scene, document);
   check_engine(scene, document);

@@ -62,7 +62,7 @@ Error unknown_section_error(const SourcePlace& place, const std::string& full_na
   for (const SceneSection& section : scene_sections())
     if (section.name.empty())
       for (const SceneKey& key : section.keys) known.push_back(key.name);
-    else
+    else if (section.within.empty())
       known.push_back(section.name);
   std::string suggestion = nearest_word(name, known);
   const SceneSection* section = find_section(suggestion);
@@ -118,6 +118,28 @@ void check_name(const SourcePlace& place, const std::string& section, const std:
                                 .remedy = "use letters, digits, - and _"});
 }
 
+// Sorts the tables of things within a thing, each kind into a section of its own; gives back the thing's other entries.
+SceneValue::Table without_inner(const SceneSection& section, const std::string& thing, const SceneValue::Table& table,
+                                SceneDocument& document) {
+  SceneValue::Table others;
+  for (const auto& [part, value] : table) {
+    const SceneSection* inner = find_inner_section(section, part);
+    if (!inner) {
+      others.push_back({part, value});
+      continue;
+    }
+    const std::string start = section.header(thing) + "." + part;
+    for (const auto& [name, entry] : table_of(value, start, "[" + start + ".PIN]")) {
+      check_name(entry.place, part, name);
+      const std::string full = thing + "." + name;
+      DocumentThing& into = document[part][full];
+      into.place = entry.place;
+      sort_entries(*inner, full, "", table_of(entry, inner->header(full), "[" + inner->header(full) + "]"), into);
+    }
+  }
+  return others;
+}
+
 void sort_section(const SceneSection& section, const SceneValue& value, SceneDocument& document) {
   auto& things = document[section.name];
   const std::string header = section.named ? "[" + section.name + ".NAME]" : "[" + section.name + "]";
@@ -139,7 +161,8 @@ void sort_section(const SceneSection& section, const SceneValue& value, SceneDoc
     check_name(thing.place, section.name, name);
     DocumentThing& into = things[name];
     into.place = thing.place;
-    sort_entries(section, name, "", table_of(thing, key, "[" + key + "]"), into);
+    sort_entries(section, name, "", without_inner(section, name, table_of(thing, key, "[" + key + "]"), document),
+                 into);
   }
 }
 
@@ -163,8 +186,12 @@ Target find_target(const Override& override, const SourcePlace& place) {
   const std::vector<std::string> parts = split_at_dots(override.key);
   Target target;
   target.section = parts.size() == 1 && find_section("")->find(parts[0]) ? find_section("") : find_section(parts[0]);
-  if (!target.section || parts[0].empty()) throw unknown_section_error(place, override.key);
-  const std::size_t first = target.section->name.empty() ? 0 : target.section->named ? 2 : 1;
+  if (!target.section || parts[0].empty() || !target.section->within.empty())
+    throw unknown_section_error(place, override.key);
+  if (parts.size() > 2)
+    if (const SceneSection* inner = find_inner_section(*target.section, parts[2])) target.section = inner;
+  const bool is_inner = !target.section->within.empty();
+  const std::size_t first = is_inner ? 4 : target.section->name.empty() ? 0 : target.section->named ? 2 : 1;
   if (parts.size() <= first) {
     throw Error(Fault::bad_data, {.where = where_text(place, override.key),
                                   .what = "is not a key but a table of keys",
@@ -172,7 +199,7 @@ Target find_target(const Override& override, const SourcePlace& place) {
                                             target.section->key_prefix(parts.size() > 1 ? parts[1] : "NAME") +
                                             target.section->keys.front().name});
   }
-  if (target.section->named) target.thing = parts[1];
+  if (target.section->named) target.thing = is_inner ? parts[1] + "." + parts[3] : parts[1];
   for (std::size_t i = first; i < parts.size(); ++i) target.name += (i > first ? "." : "") + parts[i];
   return target;
 }
@@ -231,7 +258,8 @@ SceneDocument sort_into_keys(const SceneValue& root) {
     if (find_section("")->find(name)) {
       SceneValue& entry = document[""][""].values[name] = value;
       set_key(entry, name);
-    } else if (const SceneSection* section = name.empty() ? nullptr : find_section(name)) {
+    } else if (const SceneSection* section = name.empty() ? nullptr : find_section(name);
+               section && section->within.empty()) {
       sort_section(*section, value, document);
     } else {
       throw unknown_section_error(value.place, name);

@@ -11,7 +11,8 @@ namespace {
 
 std::string header_of(const SceneSection& section) {
   if (section.name.empty()) return "Above the first table";
-  return section.named ? "[" + section.name + ".NAME]" : "[" + section.name + "]";
+  if (!section.within.empty()) return "[" + section.header("NAME.PIN") + "]";
+  return "[" + section.header("NAME") + "]";
 }
 
 // A | ends a cell, even inside code.

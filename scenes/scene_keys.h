@@ -32,6 +32,9 @@ struct SceneKey {
 /// [clip], or one thing each: [body.NAME].
 struct SceneSection {
   std::string name;  // "clip"; "" for keys above the first table
+  std::string within =
+      {};  // of a named section whose things are parts of another one's: [body.NAME.pin.PIN]; their names
+           // are "NAME.PIN"
   bool named = false;
   std::string meaning = {};
   std::vector<SceneKey> keys = {};  // in the order in which they are read and written
@@ -42,17 +45,22 @@ struct SceneSection {
   const SceneKey* find(const std::string& key_name) const;
   std::vector<std::string> key_names() const;
   std::string key_prefix(const std::string& thing) const;  // "body.beam."
+  std::string header(const std::string& thing) const;      // "body.beam"
 };
 
 /// In the order in which the resolved scene is written.
 const std::vector<SceneSection>& scene_sections();
 const SceneSection* find_section(const std::string& name);
 
+/// The section of that name whose things are parts of the section's things; null: there is none.
+const SceneSection* find_inner_section(const SceneSection& section, const std::string& name);
+
 // One builder per group of sections, each in its own file.
 SceneSection top_section();
 SceneSection clip_section();
 SceneSection solver_section();
 SceneSection body_section();
+SceneSection pin_section();
 SceneSection obstacle_section();
 SceneSection pair_section();
 SceneSection probe_section();

@@ -98,6 +98,7 @@ void append(const Body& body, Model& model) {
   range.rest_distance = body.rest_distance;
   range.rest_surface = body.rest_surface;
   range.rest_pose = body.rest_pose;
+  range.pins = body.pins;
   model.bodies.push_back(range);
 
   model.rest_positions.conservativeResize(node + num_nodes, 3);

@@ -18,6 +18,8 @@
 
 namespace umax {
 
+class BodyPins;
+
 enum class MassModel {
   mesh,     // a hex weighs its filled fraction, at least 5 %
   lattice,  // full cubes, as the paper
@@ -95,6 +97,7 @@ struct Body {
   // and it touches them by its vertices alone
   std::shared_ptr<const RestSurface> rest_surface;
   Pose rest_pose;
+  std::shared_ptr<const BodyPins> pins;  // what tells points of it where to go; null: nothing
 };
 
 /// One constraint 1 - U/U_max >= 0 on an energy of a hex.
@@ -123,6 +126,7 @@ struct Model {
     std::shared_ptr<const SampledDistance> rest_distance;
     std::shared_ptr<const RestSurface> rest_surface;
     Pose rest_pose;
+    std::shared_ptr<const BodyPins> pins;
   };
   std::vector<BodyRange> bodies;
   std::vector<BodyPair> pairs;  // exceptions

@@ -49,6 +49,7 @@ void approach(const StepProblem& problem, Iterate& iterate) {
     if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share, has_fast_parts)) break;
     iterate.apart = iterate.positions;
   }
+  place_driven(problem.pins, iterate.positions);
   update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
 }
 

@@ -130,6 +130,7 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   });
   evaluation.internal = gather(model, evaluation.elastic);
   if (damped) evaluation.internal += gather(model, evaluation.damping);
+  add_spring_gradient(model, problem.pins, positions, evaluation.internal);
 }
 
 VectorXd gather(const Model& model, const HexColumns& elements) {
@@ -176,7 +177,7 @@ double incremental_potential(const StepProblem& problem, const Evaluation& evalu
     const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
     sum += 0.5 * evaluation.damping.col(e).dot(Eigen::Map<const Vector24d>(motion.data()));
   }
-  return sum;
+  return sum + spring_energy(model, problem.pins, positions);
 }
 
 VectorXd force_scales(const StepProblem& problem, const Evaluation& evaluation, const Points& positions,

@@ -14,7 +14,7 @@ struct Evaluation {
   std::vector<CorotatedHex> hexes;  // #E, none where no matrix is assembled
   HexColumns elastic;               // [N] dU/dx of the true energy
   HexColumns damping;               // [N] beta K(x0) (x - x0)/h; no columns where nothing damps
-  VectorXd internal;                // 3 #N [N] the sum of both at the nodes
+  VectorXd internal;                // 3 #N [N] the sum of both at the nodes, and of pins' springs
   HexColumns limit;                 // #L columns [N] dU/dx of limited energies; none where all equal `elastic`
   VectorXd elastic_energy;          // #E [J] true energy
   VectorXd energy;                  // #L [J] of limits
@@ -38,7 +38,7 @@ Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::
 Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node);
 
 /// What a step without limits and contacts minimises [J]: 1/(2 h^2) |x - x0 - h v0|^2_M + damping + elastic energy -
-/// m g . (x - x0), with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
+/// m g . (x - x0) + pins' springs, with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
 double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions);
 
 /// Per body, the largest max-norm [N] among inertia, elastic, limit, contact and gravity forces, what kkt_residual() is

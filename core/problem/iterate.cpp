@@ -116,6 +116,7 @@ Iterate predict(const StepProblem& problem, const State& state) {
       iterate.positions.row(node) +=
           h * (falls[b] ? Eigen::RowVector3d((velocity + gained) / (1 + h * problem.damping_mass[node])) : velocity);
     }
+  place_driven(problem.pins, iterate.positions);
   iterate.multipliers = state.limit_multipliers;
   iterate.released.assign(model.limits.size(), 0);
   iterate.contacts = recall_contacts(problem, state, iterate.positions);
@@ -128,6 +129,7 @@ Iterate predict_undeformed(const StepProblem& problem, const State& state) {
   for (const Model::BodyRange& body : model.bodies) place_undeformed(model, body, iterate.positions);
   for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
     if (model.node_fixed[node]) iterate.positions.row(node) = problem.positions_t0.row(node);
+  place_driven(problem.pins, iterate.positions);
   iterate.multipliers.setZero();
   for (Contact& contact : iterate.contacts) contact.force.setZero();
   update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);

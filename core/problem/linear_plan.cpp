@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/model/pins.h"
+
 namespace umax {
 namespace {
 
@@ -15,6 +17,10 @@ std::optional<ErrorText> multigrid_obstacle(const std::vector<LinearTraits>& bod
     if (!body.is_regular)
       return ErrorText{"body." + body.name + ".cage", "is no regular lattice, which multigrid needs", "",
                        "use a cage of cells, " + direct};
+  for (const LinearTraits& body : bodies)
+    if (body.has_springs)
+      return ErrorText{"body." + body.name + ".pin", "holds points by springs, which multigrid is slow with", "",
+                       "pin all points of whole hexes, " + direct};
   if (solver.energy != EnergyMeasure::true_energy || solver.jacobian != LimitJacobian::exact)
     return ErrorText{"solver.energy, solver.jacobian", "are the paper's, which multigrid does not know", "",
                      "leave them out, " + direct};
@@ -40,8 +46,12 @@ LinearPlan plan_linear_solvers(const std::vector<LinearTraits>& bodies, const So
 
 LinearPlan plan_linear_solvers(const Model& model, const SolverOptions& solver) {
   std::vector<LinearTraits> bodies;
-  for (const Model::BodyRange& body : model.bodies)
-    bodies.push_back({.name = body.name, .hexes = double(body.num_hexes), .is_regular = body.cells.rows() > 0});
+  for (const Model::BodyRange& body : model.bodies) {
+    bodies.push_back({.name = body.name,
+                      .hexes = double(body.num_hexes),
+                      .is_regular = body.cells.rows() > 0,
+                      .has_springs = body.pins && body.pins->ever_has_springs()});
+  }
   return plan_linear_solvers(bodies, solver);
 }
 

@@ -18,8 +18,9 @@ namespace umax {
 /// What the choice asks of a body.
 struct LinearTraits {
   std::string name;
-  double hexes = 0;         // 0: not known yet
-  bool is_regular = false;  // its cage is made of cells of one grid
+  double hexes = 0;          // 0: not known yet
+  bool is_regular = false;   // its cage is made of cells of one grid
+  bool has_springs = false;  // pins hold points of it by springs
 };
 
 enum class LinearBackend { direct, multigrid };

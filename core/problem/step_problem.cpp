@@ -69,6 +69,8 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
                                            state.time, h, options.gravity.norm());
   contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
   if (may_start_deep(contact, state)) contact.ways_out = find_ways_out(contact);
+  Materials materials = materials_at(model, state.time + h);
+  StepPins pins = pins_at(model, materials.young, state.time + h, h);
   return {
       .model = &model,
       .options = &options,
@@ -76,11 +78,12 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
       .h = h,
       .positions_t0 = state.positions,
       .velocities_t0 = state.velocities,
-      .materials = materials_at(model, state.time + h),
+      .materials = std::move(materials),
       .damping_mass = mass_damping(model),
       .damping_stiffness = damping_stiffness,
       .rotations_t0 = damped ? rotations_at(model, options.solver.rotation, state.positions) : std::vector<Matrix3d>{},
       .contact = std::move(contact),
+      .pins = std::move(pins),
       .joining_share = joining_share_for(options.solver.tolerance)};
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/contact/contact.h"
 #include "core/problem/linear_plan.h"
+#include "core/problem/step_pins.h"
 
 namespace umax {
 
@@ -28,6 +29,7 @@ struct StepProblem {
   VectorXd damping_stiffness;          // #E [s] Rayleigh beta
   std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps
   ContactStep contact;
+  StepPins pins;  // at the end of the step
   // deeper vertices than this share of the penetration tolerance join the contacts, and no contact of a solution is
   // deeper: half, or in proportion to a solver tolerance that is tighter than the default
   double joining_share = 0;

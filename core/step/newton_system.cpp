@@ -76,6 +76,7 @@ void element_matrix(const StepProblem& problem, const Evaluation& evaluation, co
   elastic_matrix(problem, evaluation, terms, e, true, element);
   if (elasticity == Elasticity::definite && !is_definite(problem, e, element))
     elastic_matrix(problem, evaluation, terms, e, false, element);
+  add_spring_hessian(problem.pins, e, element);
   if (problem.damping_stiffness[e] > 0) {
     CorotatedHex start;
     start.rotation = problem.rotations_t0[e];

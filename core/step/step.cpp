@@ -15,6 +15,7 @@
 #include "core/step/exact_step.h"
 #include "core/step/islands.h"
 #include "core/step/paper_step.h"
+#include "core/step/pinned_model.h"
 #include "core/step/workspace.h"
 
 namespace umax {
@@ -22,6 +23,8 @@ namespace {
 
 constexpr int most_parts = 8;  // of the way of bodies towards each other, half a cell each, in one solve
 constexpr int most_fast_halvings = 8;
+constexpr double longest_drive =
+    0.25;  // [cells] of nodes that pins drive, away from where they are heading, in one solve
 constexpr double longest_animated_way = 1;  // [cells] of an animated obstacle near a body in one solve
 
 // kinetic, elastic (true energy, whatever the limit measures) and gravitational energy
@@ -80,6 +83,11 @@ bool obstacles_move_too_fast(const Model& model, const StepOptions& options, con
   return animated_way(model, state.positions, expected, state.time, options.time_step) > longest_animated_way;
 }
 
+// Do pins drive nodes so far away from where they would go by themselves that one solve would have too long a way?
+bool pins_move_too_fast(const Model& model, const StepOptions& options, const State& state) {
+  return farthest_drive(model, state, options.time_step) > longest_drive;
+}
+
 // how often a step may still be halved: where it does not converge, and where bodies move too fast
 struct Halvings {
   int failed = 0, fast = 0;
@@ -101,7 +109,7 @@ StepReport advance_halves(const Model& model, const StepOptions& options, const 
 StepReport advance(const Model& model, const StepOptions& options, const LinearPlan& plan, Workspace::Data& data,
                    State& state, Halvings left) {
   const bool exact = options.solver.method == SolverMethod::exact;
-  if (left.fast > 0 && (obstacles_move_too_fast(model, options, state) ||
+  if (left.fast > 0 && (obstacles_move_too_fast(model, options, state) || pins_move_too_fast(model, options, state) ||
                         (exact && moves_too_fast(model, data.contact_geometry, options, state))))
     return advance_halves(model, options, plan, data, state, {left.failed, left.fast - 1});
   const State start = state;
@@ -207,12 +215,15 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   require_measurable(model, options.solver.energy);
   require_solvable(plan_linear_solvers(model, options.solver), options.solver);
   State next = state;
-  StepReport report = advance_islands(model, options, workspace.data(), next);
+  const Model& solved = pinned_model(model, state.time + options.time_step, workspace.data());
+  StepReport report = advance_islands(solved, options, workspace.data(), next);
   next.time = state.time + options.time_step;
   ++next.step;
   measure_into(model, options, workspace.data().contact_geometry, next, report);
   next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
-  if (!next.been_feasible) report.status = StepStatus::infeasible;
+  const bool is_pinned = &solved != &model;  // pins beat limits
+  if (!next.been_feasible || (is_pinned && report.max_energy_ratio > 1 + options.solver.tolerance))
+    report.status = StepStatus::infeasible;
   state = std::move(next);
   return report;
 }

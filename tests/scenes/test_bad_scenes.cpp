@@ -200,9 +200,8 @@ TEST_CASE("every key with a single letter mistyped is refused or another key, ne
         std::string name = key.name;
         if (name[at] == '.') continue;
         name[at] = 'q';
-        const std::string table =
-            section.name.empty() ? ""
-                                 : "[" + section.key_prefix("a").substr(0, section.key_prefix("a").size() - 1) + "]\n";
+        const std::string thing = section.within.empty() ? "a" : "a.b";
+        const std::string table = section.name.empty() ? "" : "[" + section.header(thing) + "]\n";
         const Failure failure = failure_of_text(table + name + " = 1\n");
         CAPTURE(section.name, name);
         REQUIRE(failure.code == 65);
@@ -211,7 +210,7 @@ TEST_CASE("every key with a single letter mistyped is refused or another key, ne
           const std::size_t from = std::string("did you mean ").size();
           const std::string suggestion = failure.remedy.substr(from, failure.remedy.size() - from - 1);
           // the key that was meant, or another one that is as near
-          REQUIRE(edit_distance(suggestion, section.key_prefix("a") + name) <= 1);
+          REQUIRE(edit_distance(suggestion, section.key_prefix(thing) + name) <= 1);
         }
       }
   }

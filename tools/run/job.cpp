@@ -251,9 +251,11 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   if (job.simulate && !simulation.scene.clip.allow_overlap) require_clear_start(simulation.model);
   keep_freed_memory();
   for (const std::string& warning : simulation.warnings) progress.warning(warning);
-  for (const BodySetup& body : simulation.bodies)
+  for (const BodySetup& body : simulation.bodies) {
     progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
                               body.lattice.num_hexes(), body.lattice.num_nodes()));
+    for (const std::string& note : body.notes) progress.note(fmt::format("body {}: {}", body.name, note));
+  }
 
   if (steps > 0) tell_cost(simulation, steps, memory, progress);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -129,6 +130,27 @@ std::vector<StepRow> steps_to_frame(const Simulation& simulation, const StepOpti
   return rows;
 }
 
+/// Leads the state from rest to the first frame by steps that are not shown (clip.preroll). False: a signal has come.
+bool preroll(const Simulation& simulation, const StepOptions& options, Progress& progress, State& state) {
+  const auto count = (long long)(std::ceil(simulation.scene.clip.preroll / options.time_step - 1e-9));
+  if (count == 0) return true;
+  Workspace workspace(simulation.model);
+  state.time = -double(count) * options.time_step;
+  long long missed = 0;
+  try {
+    for (long long i = 0; i < count; ++i) {
+      if (stop_signal() != 0) return false;
+      missed += step(simulation.model, options, workspace, state).status != StepStatus::converged;
+    }
+  } catch (const Interrupted&) {
+    return false;
+  }
+  state.time = 0;
+  state.step = 0;
+  if (missed > 0) progress.warning(fmt::format("{} of {} steps of clip.preroll did not converge", missed, count));
+  return true;
+}
+
 void warn_of_unconverged(const SimulateResult& result, long long before, Progress& progress) {
   if (result.steps_not_converged > before)
     progress.warning(
@@ -153,15 +175,19 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
   progress.begin("simulate", options.last_frame, start.frame);
   StepsFile steps(folder.steps(), steps_header(probe_names(simulation.scene)), start.frame > 0 ? start.state.step : 0);
   State state = std::move(start.state);
+  const StepOptions stepping = step_options(simulation, options.verbose, progress);
   if (start.frame == 0) {
     state = rest_state(simulation.model);
+    if (!preroll(simulation, stepping, progress, state)) {
+      result.signal = stop_signal();
+      return result;
+    }
     write_state(folder.state(1), state, simulation.digest);
     result.frames = 1;
     progress.frame_done(1);
   }
 
   Workspace workspace(simulation.model);
-  const StepOptions stepping = step_options(simulation, options.verbose, progress);
   for (int frame = result.frames + 1; frame <= options.last_frame; ++frame) {
     const std::vector<StepRow> rows = steps_to_frame(simulation, stepping, options.strict, frame, workspace, state);
     if (rows.empty()) {

@@ -14,6 +14,7 @@
 #include "render/image/image.h"
 #include "scenes/scene.h"
 #include "tools/setup/body_shape.h"
+#include "tools/setup/obstacle_setup.h"
 #include "tools/setup/state_file.h"
 
 namespace umax {
@@ -35,11 +36,7 @@ struct BodySetup {
   Eigen::Index first_node = 0, first_hex = 0;  // in the model
   Look look;                                   // with its pictures
   std::optional<BodyMap> young_map = std::nullopt, limit_map = std::nullopt;
-};
-
-struct ObstacleSetup {
-  std::shared_ptr<const TriangleMesh> mesh;  // at rest, in the obstacle's own frame [m]; null: a half space
-  std::vector<std::string> notes;            // for the user: what contact will not feel of it
+  std::vector<std::string> notes = {};  // for the user: what pins hold
 };
 
 struct Simulation {
@@ -56,10 +53,6 @@ struct Simulation {
 
 /// The cage options that a scene's cage key means; not for cage.mesh.
 CageOptions cage_options(const CageDescription& cage);
-
-/// The model's obstacle and the mesh to draw it. clip: for what is animated. Throws Error naming the obstacle.
-Obstacle make_obstacle(const ObstacleDescription& description, const ClipDescription& clip, ObstacleSetup& setup,
-                       ShapeLibrary& library);
 
 /// The mesh of an obstacle that has one as it is at a time [s], in the obstacle's own frame [m], with normals.
 std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time);

@@ -8,6 +8,7 @@
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "core/model/deformation.h"
+#include "core/model/pins.h"
 
 namespace umax {
 namespace {
@@ -130,9 +131,28 @@ void add_part_limits(Writer& out, const PartLimitOptions& limits) {
   for (const EnergyLimitOptions* limit : {&volumetric, &deviatoric, &fibre}) add_limit(out, *limit);
 }
 
+void add_pin(Writer& out, const Pin& pin) {
+  const auto& [name, points, rest, part, stiffness, motion, from, until] = pin;
+  const auto& [position, rotation_degrees, pivot, mesh, corners, shares, preroll] = motion;
+  out.put_bytes(name.data(), name.size());
+  out.put_matrix(points.hex);
+  out.put_matrix(points.weights);
+  out.put_matrix(rest);
+  out.put_matrix(part);
+  out.put_matrix(stiffness);
+  add_track(out, position);
+  add_track(out, rotation_degrees);
+  out.put_matrix(pivot);
+  out.put(std::uint8_t(mesh != nullptr));
+  if (mesh) add_motion(out, *mesh);
+  out.put_matrix(corners);
+  out.put_matrix(shares);
+  out.put_all(preroll, from, until);
+}
+
 void add_body(Writer& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
-               friction, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose] = body;
+               friction, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose, pins] = body;
   static_cast<void>(cells);  // they and cell_edges follow from the nodes and hexes
   static_cast<void>(cell_edges);
   out.put_bytes(name.data(), name.size());
@@ -142,6 +162,8 @@ void add_body(Writer& out, const Model::BodyRange& body) {
   add_part_limits(out, part_limits);
   out.put_all(friction, contact, cell_size);
   add_distance(out, rest_distance.get());
+  if (pins)
+    for (const Pin& pin : pins->pins()) add_pin(out, pin);
   out.put(std::uint8_t(rest_surface != nullptr));
   if (!rest_surface) return;
   out.put_matrix(rest_surface->vertices);
