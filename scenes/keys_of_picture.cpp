@@ -100,6 +100,25 @@ void add_sky_keys(Keys& keys) {
            {.unset = number_text(EnvironmentMap().rotation_degrees), .belongs_to = map});
 }
 
+template <class Keys>
+void add_layer_keys(Keys& keys) {
+  keys.add("exr", FlagKind(), UMAX_FIELD(exr),
+           "writes NNNN.exr beside NNNN.png: colour and what guides the noise filter");
+  keys.add("layers",
+           ChoiceListKind<PictureLayer>{{{"albedo", PictureLayer::albedo},
+                                         {"normal", PictureLayer::normal},
+                                         {"depth", PictureLayer::depth},
+                                         {"position", PictureLayer::position},
+                                         {"vector", PictureLayer::vector},
+                                         {"object", PictureLayer::object},
+                                         {"energy", PictureLayer::energy},
+                                         {"cryptomatte", PictureLayer::cryptomatte},
+                                         {"noise", PictureLayer::noise}}},
+           UMAX_FIELD(layers), "writes NNNN.exr for compositing: colour with alpha, and these layers (embree)");
+  keys.add("transparent", FlagKind(), UMAX_FIELD(transparent),
+           "alpha where the sky would be seen, in PNG and EXR; the clip is over black (embree)");
+}
+
 }  // namespace
 
 SceneSection camera_section() {
@@ -184,21 +203,7 @@ SceneSection render_section() {
            "where the bar of multiplier and stretch (in %) ends; what is beyond has the end's colour",
            {.unset = "the limit that all share, or the largest of the clip"});
   keys.add("wireframe", FlagKind(), UMAX_FIELD(wireframe), "draws the cage over the picture (osmesa)");
-  keys.add("exr", FlagKind(), UMAX_FIELD(exr),
-           "writes NNNN.exr beside NNNN.png: colour and what guides the noise filter");
-  keys.add("layers",
-           ChoiceListKind<PictureLayer>{{{"albedo", PictureLayer::albedo},
-                                         {"normal", PictureLayer::normal},
-                                         {"depth", PictureLayer::depth},
-                                         {"position", PictureLayer::position},
-                                         {"vector", PictureLayer::vector},
-                                         {"object", PictureLayer::object},
-                                         {"energy", PictureLayer::energy},
-                                         {"cryptomatte", PictureLayer::cryptomatte},
-                                         {"noise", PictureLayer::noise}}},
-           UMAX_FIELD(layers), "writes NNNN.exr for compositing: colour with alpha, and these layers (embree)");
-  keys.add("transparent", FlagKind(), UMAX_FIELD(transparent),
-           "alpha where the sky would be seen, in PNG and EXR; the clip is over black (embree)");
+  add_layer_keys(keys);
   keys.add("backdrop", ColorKind{.bounded = false}, UMAX_FIELD(backdrop),
            "colour that the camera sees instead of the sky", {.unset = "the sky"});
   keys.add("exposure", NumberKind{units::ratio, {.low = -50, .high = 50}}, UMAX_FIELD(exposure_stops),

@@ -11,15 +11,15 @@ CaughtLight::CaughtLight(const RenderScene& scene, int left, int top) : left_(le
   pixels_.resize(std::size_t(extent) * extent);
 }
 
-void CaughtLight::add(int column, int row, const PathStart& start, const PathResult& path) {
+void CaughtLight::add(int column, int row, const PathStart& start, const FirstPart& met, const Vector3f& radiance) {
   Sum& sum = pixels_[std::size_t(row - top_) * extent + std::size_t(column - left_)][std::size_t(start.stream)];
   const bool is_even = start.sample % 2 == 0;
   ++sum.paths;
   sum.num_even += is_even;
-  if (path.object == Hit::nothing || !catches_[path.object]) return;
+  if (met.object == Hit::nothing || !catches_[met.object]) return;
   ++sum.caught;
-  sum.light += path.radiance.cast<double>();
-  if (is_even) sum.even += path.radiance.cast<double>();
+  sum.light += radiance.cast<double>();
+  if (is_even) sum.even += radiance.cast<double>();
 }
 
 void CaughtLight::store(TracedImage& image) const {

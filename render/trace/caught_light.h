@@ -17,7 +17,7 @@ class CaughtLight {
 
   bool is_wanted() const { return !catches_.empty(); }
   /// A path of one of the two halves that a pixel's paths may be.
-  void add(int column, int row, const PathStart& start, const PathResult& path);
+  void add(int column, int row, const PathStart& start, const FirstPart& met, const Vector3f& radiance);
   /// Puts the means into image.caught, if that is there.
   void store(TracedImage& image) const;
 

@@ -109,11 +109,6 @@ void lay_over(const Image& background, TracedImage& traced) {
 
 }  // namespace
 
-bool has_shadow_catchers(const RenderScene& scene) {
-  return std::any_of(scene.objects.begin(), scene.objects.end(),
-                     [](const RenderObject& object) { return object.catches_shadows; });
-}
-
 RenderScene made_transparent(RenderScene scene) {
   scene.transparent = true;
   return scene;

@@ -11,9 +11,6 @@
 
 namespace umax {
 
-/// Whether anything in the scene catches shadows.
-bool has_shadow_catchers(const RenderScene& scene);
-
 /// The scene as finish_cut_out() wants it traced.
 RenderScene made_transparent(RenderScene scene);
 

@@ -48,6 +48,7 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
       .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
       .cameras = {},
       .has_shutter = false,
+      .keeps_parts = !options.mattes.empty() || has_shadow_catchers(scene),
       .sequence = SampleSequence(options.noise > 0 ? (options.samples + 1) / 2 : options.samples, options.seed),
       .filter = {},
       .bounces = options.bounces};
@@ -85,10 +86,11 @@ class PathQueue {
   void flush() {
     const PathResult* results = wave_.trace(starts_, recording_);
     for (std::size_t i = 0; i < starts_.size(); ++i) sums_[i]->add(results[i], starts_[i].sample);
+    const FirstPart* parts = wave_.first_parts();
     for (std::size_t i = 0; i < starts_.size() && parts_.are_wanted(); ++i)
-      parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, results[i]);
+      parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, parts[i]);
     for (std::size_t i = 0; i < starts_.size() && caught_.is_wanted(); ++i)
-      caught_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i], results[i]);
+      caught_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i], parts[i], results[i].radiance);
     starts_.clear();
     sums_.clear();
   }
@@ -155,6 +157,21 @@ void check(const PathTraceOptions& options, const Crop& crop) {
     fail("render.crop", "must lie inside the picture and not be empty; left edge", crop.x0);
 }
 
+TracedImage black_image(const RenderScene& scene, const PathTraceOptions& options, int width, int height) {
+  TracedImage image{.color = Image(width, height),
+                    .albedo = Image(width, height),
+                    .normal = Image(width, height),
+                    .depth = Image(width, height, 1),
+                    .variance = Image(width, height, 1),
+                    .half = Image(width, height),
+                    .samples = Image(width, height, 1),
+                    .alpha = Image(width, height, 1),
+                    .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
+  if (has_shadow_catchers(scene))
+    image.caught = CaughtImage{Image(width, height), Image(width, height), Image(width, height, 1)};
+  return image;
+}
+
 // tells how much is done, one caller at a time
 class Progress {
  public:
@@ -173,22 +190,17 @@ class Progress {
 
 }  // namespace
 
+bool has_shadow_catchers(const RenderScene& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [](const RenderObject& object) { return object.catches_shadows; });
+}
+
 TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options) {
   const Crop crop = options.crop.value_or(Crop{.x0 = 0, .y0 = 0, .x1 = options.width, .y1 = options.height});
   check(options, crop);
   const PathTracer tracer = make_tracer(rays, scene, options);
   const int width = crop.x1 - crop.x0, height = crop.y1 - crop.y0;
-  TracedImage image{.color = Image(width, height),
-                    .albedo = Image(width, height),
-                    .normal = Image(width, height),
-                    .depth = Image(width, height, 1),
-                    .variance = Image(width, height, 1),
-                    .half = Image(width, height),
-                    .samples = Image(width, height, 1),
-                    .alpha = Image(width, height, 1),
-                    .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
-  if (CaughtLight(scene, 0, 0).is_wanted())
-    image.caught = CaughtImage{Image(width, height), Image(width, height), Image(width, height, 1)};
+  TracedImage image = black_image(scene, options, width, height);
   const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);

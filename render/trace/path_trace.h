@@ -57,6 +57,9 @@ struct TracedImage {
   std::optional<CaughtImage> caught = {};  // where anything catches shadows: it is shown like anything else
 };
 
+/// Whether anything in the scene catches shadows.
+bool has_shadow_catchers(const RenderScene& scene);
+
 /// Traces a picture. The values do not depend on the number of threads, tiles or the crop. Throws Error 65 for scenes
 /// and options that make no picture.
 TracedImage path_trace(const RenderScene& scene, const PathTraceOptions& options);

@@ -31,6 +31,7 @@ void PathWave::Buffers::start(const std::vector<PathStart>& starts) {
     density[i] = 0;
     results[i] = PathResult{};
   }
+  if (tracer.keeps_parts) first_parts.fill({});
   for (int i = 0; i < count; ++i) ray.time[i] = 0;
   if (tracer.has_shutter) draw(dim_time, ray.time, v);
   draw(dim_filter, u, v);
@@ -117,9 +118,8 @@ void PathWave::Buffers::prepare_surfaces(bool first) {
     result.albedo = surface.albedo.vector(i);
     result.normal = point.normal.vector(i);
     result.depth = hit.distance[i];
-    result.object = hit.object[i];
-    result.triangle = hit.triangle[i];
   }
+  for (int i = 0; i < count && tracer.keeps_parts; ++i) first_parts[slot[i]] = {hit.object[i], hit.triangle[i]};
 }
 
 void PathWave::Buffers::look_up() {
@@ -200,6 +200,10 @@ const PathResult* PathWave::trace(const std::vector<PathStart>& starts, std::vec
   }
   wave.add_last_emission();
   return wave.results.data();
+}
+
+const FirstPart* PathWave::first_parts() const {
+  return buffers_->first_parts.data();
 }
 
 }  // namespace umax

@@ -21,6 +21,7 @@ struct PathTracer {
   std::optional<Vector3f> backdrop;
   std::vector<CameraView> cameras;  // at even times from the shutter's opening to its closing; one: it stands still
   bool has_shutter = false;         // whether anything moves
+  bool keeps_parts = false;         // whether it is asked which surfaces paths met first
   SampleSequence sequence;
   PixelFilter filter;
   int bounces;
@@ -36,7 +37,11 @@ struct PathStart {
 struct PathResult {
   Vector3f radiance{0, 0, 0}, albedo{1, 1, 1}, normal{0, 0, 0};  // the last two of the first surface
   float depth = 0;                                               // [m] 0: it met nothing
-  unsigned object = Hit::nothing, triangle = 0;                  // that it met first
+};
+
+/// What a path met first.
+struct FirstPart {
+  unsigned object = Hit::nothing, triangle = 0;
 };
 
 /// Paths that are traced together, step by step, so that shading is vector code. A path's result does not depend on the
@@ -50,6 +55,8 @@ class PathWave {
 
   /// Traces up to max_paths paths. recording: receives the rays, or null.
   const PathResult* trace(const std::vector<PathStart>& starts, std::vector<RecordedRay>* recording);
+  /// Of the paths that trace() has traced, where the tracer keeps them.
+  const FirstPart* first_parts() const;
 
  private:
   struct Buffers;

@@ -28,6 +28,7 @@ struct PathWave::Buffers {
   rows::ColorRows throughput;
   rows::Row density;  // [1/sr] with which the ray's direction was chosen
   std::array<PathResult, rows::capacity> results;
+  std::array<FirstPart, rows::capacity> first_parts;
 
   // of the surface that it met
   rows::HitRows hit;

@@ -42,16 +42,16 @@ TileParts::TileParts(const std::vector<TracedObject>& objects, const std::vector
   if (are_wanted()) pixels_.resize(std::size_t(extent) * extent);
 }
 
-void TileParts::add(int column, int row, int half, const PathResult& path) {
+void TileParts::add(int column, int row, int half, const FirstPart& met) {
   assert(column >= left_ && column < left_ + extent && row >= top_ && row < top_ + extent);
   Pixel& pixel = pixels_[std::size_t(row - top_) * extent + std::size_t(column - left_)];
   ++pixel.paths[std::size_t(half)];
-  if (path.object == Hit::nothing) return;
-  const TracedObject& object = objects_[path.object];
-  const unsigned paint = object.paint.empty() ? 0 : unsigned(object.paint[path.triangle]);
-  const auto is_same = [&](const Part& part) { return part.object == path.object && part.paint == paint; };
+  if (met.object == Hit::nothing) return;
+  const TracedObject& object = objects_[met.object];
+  const unsigned paint = object.paint.empty() ? 0 : unsigned(object.paint[met.triangle]);
+  const auto is_same = [&](const Part& part) { return part.object == met.object && part.paint == paint; };
   auto found = std::find_if(pixel.parts.begin(), pixel.parts.end(), is_same);
-  if (found == pixel.parts.end()) found = pixel.parts.insert(found, {.object = path.object, .paint = paint});
+  if (found == pixel.parts.end()) found = pixel.parts.insert(found, {.object = met.object, .paint = paint});
   ++found->paths[std::size_t(half)];
 }
 

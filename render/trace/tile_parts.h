@@ -17,7 +17,7 @@ class TileParts {
 
   bool are_wanted() const { return !mattes_.empty(); }
   /// A path of one of the two halves that a pixel's paths may be.
-  void add(int column, int row, int half, const PathResult& path);
+  void add(int column, int row, int half, const FirstPart& met);
   /// Puts the ranks into image.mattes.
   void store(TracedImage& image) const;
 
