@@ -17,7 +17,7 @@ class CaughtLight {
 
   bool is_wanted() const { return !catches_.empty(); }
   /// A path of one of the two halves that a pixel's paths may be.
-  void add(int column, int row, const PathStart& start, const FirstPart& met, const Vector3f& radiance);
+  void add(int column, int row, const PathStart& start, const FirstPart& met, const PathResult& path);
   /// Puts the means into image.caught, if that is there.
   void store(TracedImage& image) const;
 
@@ -25,6 +25,8 @@ class CaughtLight {
   static constexpr int extent = 16;  // [px] at most
   struct Sum {
     Eigen::Vector3d light{0, 0, 0}, even{0, 0, 0};  // of all of its paths, of those of even samples
+    Eigen::Vector3d albedo{0, 0, 0}, normal{0, 0, 0};
+    double depth = 0;
     int caught = 0, paths = 0, num_even = 0;
   };
   std::vector<char> catches_;  // of each object

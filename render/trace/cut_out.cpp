@@ -65,7 +65,7 @@ Image background_of(const RenderScene& scene, const PathTraceOptions& options) {
   return background;
 }
 
-/// Takes the light of catchers out of the picture, its half, and what is seen of others out of alpha.
+/// Takes catchers out of the picture, its half and alpha.
 void remove_caught(TracedImage& traced) {
   const CaughtImage& caught = *traced.caught;
   for (std::size_t i = 0; i < traced.color.values.size(); ++i) {
@@ -76,26 +76,38 @@ void remove_caught(TracedImage& traced) {
     traced.alpha.values[i] = std::max(0.0f, traced.alpha.values[i] - caught.share.values[i]);
 }
 
+/// What guides the filter, of the part of each pixel that is seen: what is not covered has counted as white, without a
+/// normal, and catchers as what they are.
+void straighten_guides(const TracedImage& traced, TracedImage& straight) {
+  for (std::size_t i = 0; i < traced.alpha.values.size(); ++i) {
+    const float share = traced.alpha.values[i], caught = traced.caught ? traced.caught->share.values[i] : 0,
+                nothing = std::max(0.0f, 1 - share - caught);
+    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      const float albedo = traced.albedo.values[k] - (traced.caught ? traced.caught->albedo.values[k] : 0) - nothing;
+      const float normal = traced.normal.values[k] - (traced.caught ? traced.caught->normal.values[k] : 0);
+      straight.albedo.values[k] = share > 0 ? std::max(0.0f, albedo / share) : 1;
+      straight.normal.values[k] = share > 0 ? normal / share : 0;
+    }
+    const float depth =
+        traced.depth.values[i] * (share + caught) - (traced.caught ? traced.caught->depth.values[i] : 0);
+    straight.depth.values[i] = share > 0 ? std::max(0.0f, depth / share) : 0;
+  }
+}
+
 /// The filter sees what covers a part of its pixel as if it covered all, and nothing else: so its edge neither fades nor
 /// spills over.
 Image denoised_cut_out(const TracedImage& traced) {
   TracedImage straight = traced;
+  straighten_guides(traced, straight);
   for (std::size_t i = 0; i < traced.alpha.values.size(); ++i) {
     const float share = traced.alpha.values[i];
     for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) {
       straight.color.values[k] = share > 0 ? traced.color.values[k] / share : 0;
       straight.half.values[k] = share > 0 ? traced.half.values[k] / share : 0;
-      if (traced.caught) {
-        if (share > 0) continue;
-        straight.normal.values[k] = 0;
-        straight.albedo.values[k] = 1;
-      } else {  // what is not covered has counted as white, without a normal
-        straight.normal.values[k] = share > 0 ? traced.normal.values[k] / share : 0;
-        straight.albedo.values[k] = share > 0 ? std::max(0.0f, (traced.albedo.values[k] - (1 - share)) / share) : 1;
-      }
     }
-    straight.variance.values[i] = share > 0 ? traced.variance.values[i] / (share * share) : 0;
-    if (!(share > 0)) straight.depth.values[i] = 0;
+    // the paths' variance is of what is behind it, too: at edges the two halves tell
+    const float apart = luminance_of(&straight.color.values[3 * i]) - luminance_of(&straight.half.values[3 * i]);
+    if (share < 1) straight.variance.values[i] = apart * apart;
   }
   Image color = denoise(straight);
   for (std::size_t i = 0; i < color.values.size(); ++i) color.values[i] *= traced.alpha.values[i / 3];

@@ -90,7 +90,7 @@ class PathQueue {
     for (std::size_t i = 0; i < starts_.size() && parts_.are_wanted(); ++i)
       parts_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i].stream, parts[i]);
     for (std::size_t i = 0; i < starts_.size() && caught_.is_wanted(); ++i)
-      caught_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i], parts[i], results[i].radiance);
+      caught_.add(starts_[i].x - crop_.x0, starts_[i].y - crop_.y0, starts_[i], parts[i], results[i]);
     starts_.clear();
     sums_.clear();
   }
@@ -168,7 +168,12 @@ TracedImage black_image(const RenderScene& scene, const PathTraceOptions& option
                     .alpha = Image(width, height, 1),
                     .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
   if (has_shadow_catchers(scene))
-    image.caught = CaughtImage{Image(width, height), Image(width, height), Image(width, height, 1)};
+    image.caught = CaughtImage{.light = Image(width, height),
+                               .half = Image(width, height),
+                               .share = Image(width, height, 1),
+                               .albedo = Image(width, height),
+                               .normal = Image(width, height),
+                               .depth = Image(width, height, 1)};
   return image;
 }
 

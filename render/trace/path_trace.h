@@ -36,8 +36,9 @@ struct PathTraceOptions {
 
 /// The part of a picture that comes from surfaces that catch shadows.
 struct CaughtImage {
-  Image light, half;  // 3: as TracedImage::color and half, of paths whose first surface is such a one
-  Image share;        // 1: of such paths in all
+  Image light, half;            // 3: as TracedImage::color and half, of paths whose first surface is such a one
+  Image share;                  // 1: of such paths in all
+  Image albedo, normal, depth;  // 3, 3, 1: what they have added to the means over all paths
 };
 
 /// A picture and what guides a filter. All of one size (the crop's, if any), all scene-linear.
