@@ -15,6 +15,9 @@ constexpr const char* xform_schema = "schema=AbcGeom_Xform_v3";
 constexpr const char* mesh_object =
     "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_PolyMesh_v1:.geom";
 constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
+constexpr const char* faces_object =
+    "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_FaceSet_v1:.faceset";
+constexpr const char* faces_schema = "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1";
 constexpr const char* camera_object = "schema=AbcGeom_Camera_v1;schemaObjTitle=AbcGeom_Camera_v1:.geom";
 constexpr const char* camera_schema = "schema=AbcGeom_Camera_v1";
 
@@ -142,6 +145,24 @@ void AlembicWriter::append(const SurfaceFrame& frame) {
   archive_.add_sample(normals_, bytes_of(frame.normals));
 }
 
+/// Which faces each material has, where there are several.
+std::vector<AlembicObject> AlembicWriter::face_sets() {
+  std::vector<AlembicObject> sets;
+  if (surface_->materials.size() < 2) return sets;
+  const std::array<double, 6> box{};  // unknown
+  for (std::size_t i = 0; i < surface_->materials.size(); ++i) {
+    AlembicProperty bounds = scalar(".selfBnds", AlembicPod::float64, 6, "interpretation=box"),
+                    faces = array(".faces", AlembicPod::int32, 1);
+    faces.is_timed = false;
+    archive_.add_sample(bounds, bytes_of(box));
+    archive_.add_sample(faces, bytes_of(surface_->triangles_of(i)));
+    sets.push_back({.name = surface_->materials[i].name,
+                    .metadata = faces_object,
+                    .properties = {compound(".faceset", faces_schema, {bounds, faces})}});
+  }
+  return sets;
+}
+
 void AlembicWriter::finish() {
   std::vector<AlembicProperty> geometry{bounds_, positions_, indices_, counts_, velocities_};
   if (!texture_.properties.empty()) geometry.push_back(texture_);
@@ -149,7 +170,8 @@ void AlembicWriter::finish() {
   if (!colors_.samples.empty()) geometry.push_back(compound(".arbGeomParams", {}, {colors_}));
   const AlembicObject mesh{.name = surface_->name + "Shape",
                            .metadata = mesh_object,
-                           .properties = {compound(".geom", mesh_schema, std::move(geometry))}};
+                           .properties = {compound(".geom", mesh_schema, std::move(geometry))},
+                           .children = face_sets()};
   archive_.finish({transform(surface_->name, {}, mesh)}, times_, surface_->name);
 }
 

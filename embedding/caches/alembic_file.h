@@ -19,6 +19,7 @@ class AlembicWriter {
 
  private:
   void write_first();
+  std::vector<AlembicObject> face_sets();
 
   const MovingSurface* surface_;
   const ClipSpace* clip_;

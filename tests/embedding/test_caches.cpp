@@ -188,12 +188,11 @@ TEST_CASE("a cache that is not finished leaves nothing behind", "[caches]") {
 
 namespace {
 
-/// The tetrahedron's clip, and the camera, as Alembic files, one after the other.
-std::string alembic_text(const std::vector<int>& frames) {
+/// The surface's clip, and the camera, as Alembic files, one after the other.
+std::string alembic_text(const std::vector<int>& frames, const MovingSurface& surface = tetrahedron()) {
   const TemporaryFolder folder;
-  const MovingSurface surface = tetrahedron();
   const ClipSpace clip{.fps = 30, .frames = frames};
-  AlembicWriter writer(folder / "tetrahedron.abc", surface, clip);
+  AlembicWriter writer(folder / (surface.name + ".abc"), surface, clip);
   for (const int frame : frames) writer.append(moved(surface, frame));
   writer.finish();
   write_alembic_camera(folder / "camera.abc", {.position = {5, 1, 2}, .target = {0, 1, 2}}, clip);
@@ -201,7 +200,7 @@ std::string alembic_text(const std::vector<int>& frames) {
   if (const char* kept = std::getenv("UMAX_KEEP_ALEMBIC"); kept && *kept)
     std::filesystem::copy(folder.path(), kept,
                           std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
-  return test::AlembicText(read_file(folder / "tetrahedron.abc")).text() +
+  return test::AlembicText(read_file(folder / (surface.name + ".abc"))).text() +
          test::AlembicText(read_file(folder / "camera.abc")).text();
 }
 
@@ -211,6 +210,20 @@ TEST_CASE("Alembic files are what Alembic's own library has read in them", "[cac
   // made of these very files by tests/clients/alembic_dump.cpp, with library 1.8.9
   CHECK(alembic_text({4, 6, 8}) ==
         read_file(std::filesystem::path(UMAX_SOURCE_DIR) / "tests/embedding/alembic_dump.txt"));
+}
+
+TEST_CASE("Alembic: several materials are sets of faces, as Alembic's own library has read them", "[caches]") {
+  MovingSurface surface = tetrahedron();
+  surface.name = "patchwork";
+  surface.materials.resize(2);
+  surface.materials[0].name = "skin";
+  surface.materials[1].name = "plate";
+  surface.triangle_materials = {1, 0, 1, 1};
+  const std::string text = alembic_text({4, 6, 8}, surface);
+  const std::size_t start = text.find("object /patchwork/patchworkShape/skin"), end = text.find("object /camera ");
+  REQUIRE(start < end);
+  CHECK(text.substr(start, end - start) ==
+        read_file(std::filesystem::path(UMAX_SOURCE_DIR) / "tests/embedding/alembic_faces.txt"));
 }
 
 TEST_CASE("Alembic has any frames: one, at unequal distances, more than a byte counts", "[caches]") {
