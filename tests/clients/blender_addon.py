@@ -5,8 +5,10 @@ unit and frame range; only what has changed is made again; errors are those of u
 usage: blender_addon.py PROGRAM ZIP
 """
 import struct
+import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -229,7 +231,16 @@ def check_errors(told):
     assert not told["left"] and "umax" not in told["freed"]
 
 
+def check_versions(program, zip_file):
+    """the add-on has the program's version"""
+    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()[-1]
+    with zipfile.ZipFile(zip_file) as packed:
+        assert f'\nversion = "{version}"' in packed.read("umax/blender_manifest.toml").decode()
+        assert f'"version": ({version.replace(".", ", ")}),' in packed.read("umax/__init__.py").decode()
+
+
 def test(program, zip_file, folder):
+    check_versions(program, zip_file)
     blender = addon.Blender(program, zip_file, folder)
     (folder / "foreign/run").mkdir(parents=True)
     (folder / "foreign/run/mine").write_text("no bake's")
