@@ -21,8 +21,11 @@ class Input:
         self.unit = scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0
         self.bodies = [thing for thing in scene.objects if thing.umax.role == "BODY"]
         self.colliders = [thing for thing in scene.objects if thing.umax.role == "COLLIDER"]
-        # bodies and colliders alike: their files are in one folder
-        self.names = scene_text.plain_names([thing.name for thing in self.bodies + self.colliders])
+        pins = [(thing, pin) for thing in self.bodies for pin in thing.umax.pins]
+        self.followed = list(dict.fromkeys(pin.target or thing for thing, pin in pins))
+        # of all: their files are in one folder
+        self.names = scene_text.plain_names(
+            list(dict.fromkeys(thing.name for thing in self.bodies + self.colliders + self.followed)))
         self.matrices = {thing.name: [] for thing in self.bodies}  # of every frame
         self.files = []                                            # that were written
         self.text = ""
@@ -54,7 +57,7 @@ def require_sensible(scene):
             raise GatherError(f"{thing.name}: is no mesh: only meshes can be soft bodies")
         if len(thing.data.polygons) == 0:
             raise GatherError(f"{thing.name}: has no faces: a soft body needs a surface")
-    for thing in found.bodies + found.colliders:
+    for thing in dict.fromkeys(found.bodies + found.colliders + found.followed):
         if thing.mode in {"EDIT", "SCULPT"}:
             raise GatherError(f"{thing.name}: is being edited: go back to Object Mode first")
         if not thing.visible_get():
@@ -78,6 +81,8 @@ def gather(scene, folder):
         surfaces = {thing: body_shape(found, thing) for thing in found.bodies}
         tables += [body_table(found, thing, shape) for thing, shape in surfaces.items()]
         taken = yield from sample_all(found)
+        for thing, shape in surfaces.items():
+            tables += [pin_table(found, thing, shape, index, taken) for index in range(len(thing.umax.pins))]
         tables += [collider_table(found, thing, taken[thing]) for thing in found.colliders]
     finally:
         for each in hidden:
@@ -148,6 +153,27 @@ def map_keys(found, thing, shape, key, group, factors):
     return {key: name, f"{key}_range": numbers(factors)}
 
 
+def pin_table(found, thing, shape, index, taken):
+    """What is in a vertex group follows what moves and turns, or the body's own animation; what is inside of an object
+    follows that as it deforms."""
+    pin, name = thing.umax.pins[index], found.names[thing.name]
+    sampler = taken[pin.target or thing]
+    if not pin.group and (pin.target is None or not shapes.has_surface(pin.target)):
+        raise GatherError(f"{thing.name}: pin {index + 1} says neither which points it holds, by a vertex group, nor a mesh "
+                          "that they are inside of: choose one of them")
+    if pin.group and pin.target and not sampler.is_rigid:
+        raise GatherError(f"{thing.name}: pin {index + 1} lets a vertex group follow {pin.target.name}, which deforms: leave "
+                          "the vertex group out, so that what is inside of that object follows it")
+    if pin.group:
+        keys = {"map": found.write(f"{name}.pin{index + 1}.ply", shapes.ply_bytes(shape, shapes.weights_of(thing, pin.group)))}
+    else:
+        bones = shapes.moved(sampler.shape, sampler.matrices[0])
+        keys = {"inside": found.write(f"{name}.pin{index + 1}.ply", shapes.ply_bytes(bones))}
+    if sampler.is_rigid:
+        return f"body.{name}.pin.{index + 1}", {**keys, **samples.follow_keys(sampler, found.unit)}
+    return f"body.{name}.pin.{index + 1}", {**keys, "follow.cache": found.keep(sampler)}
+
+
 def cell_edge(found):
     """[units] about how long the edges of the smallest cells are"""
     edges = []
@@ -160,7 +186,8 @@ def cell_edge(found):
 def sample_all(found):
     """Goes through the frames once, and once more for what is too fast for one sample a frame. Samplers by object."""
     wanted = found.scene.umax.samples
-    taken = yield from sample(found, found.colliders, wanted or 1, True)
+    things = list(dict.fromkeys(found.colliders + found.followed))
+    taken = yield from sample(found, things, wanted or 1, True)
     if wanted == 0:
         edge = cell_edge(found)
         by_count = {}

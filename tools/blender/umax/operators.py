@@ -1,8 +1,8 @@
-"""What buttons do: bake, cancel, free, presets."""
+"""What buttons do: bake, cancel, free, presets, pins."""
 import time
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from . import bake, presets, program
 
@@ -171,12 +171,35 @@ class UMAX_OT_preset(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class UMAX_OT_add_pin(bpy.types.Operator):
+    """Let points of this body follow an animation"""
+    bl_idname = "umax.add_pin"
+    bl_label = "Add Pin"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        context.object.umax.pins.add()
+        return {"FINISHED"}
+
+
+class UMAX_OT_remove_pin(bpy.types.Operator):
+    """Remove this pin"""
+    bl_idname = "umax.remove_pin"
+    bl_label = "Remove Pin"
+    bl_options = {"REGISTER", "UNDO"}
+    index: IntProperty()
+
+    def execute(self, context):
+        context.object.umax.pins.remove(self.index)
+        return {"FINISHED"}
+
+
 @bpy.app.handlers.persistent
 def before_other_file(*_):
     stop_running()
 
 
-classes = (UMAX_OT_bake, UMAX_OT_cancel, UMAX_OT_free, UMAX_OT_preset)
+classes = (UMAX_OT_bake, UMAX_OT_cancel, UMAX_OT_free, UMAX_OT_preset, UMAX_OT_add_pin, UMAX_OT_remove_pin)
 
 
 def register():

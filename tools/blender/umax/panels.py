@@ -52,6 +52,15 @@ def draw_maps(layout, thing):
         row.prop(settings, f"{kind}_range")
 
 
+def draw_pins(layout, thing):
+    for index, pin in enumerate(thing.umax.pins):
+        row = layout.row(align=True)
+        row.prop_search(pin, "group", thing, "vertex_groups", text="")
+        row.prop(pin, "target", text="")
+        row.operator("umax.remove_pin", text="", icon="X").index = index
+    layout.operator("umax.add_pin", icon="PINNED")
+
+
 def draw_start(layout, thing):
     layout.use_property_split = True
     layout.use_property_decorate = False
@@ -144,6 +153,13 @@ class MapsPanel(BodyPanel):
         draw_maps(self.layout, context.object)
 
 
+class PinsPanel(BodyPanel):
+    bl_label = "Pins"
+
+    def draw(self, context):
+        draw_pins(self.layout, context.object)
+
+
 class StartPanel(BodyPanel):
     bl_label = "At the First Frame"
 
@@ -167,6 +183,11 @@ class UMAX_PT_physics_maps(PhysicsPanel, MapsPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
+class UMAX_PT_physics_pins(PhysicsPanel, PinsPanel, bpy.types.Panel):
+    bl_parent_id = "UMAX_PT_physics"
+    bl_options = {"DEFAULT_CLOSED"}
+
+
 class UMAX_PT_physics_start(PhysicsPanel, StartPanel, bpy.types.Panel):
     bl_parent_id = "UMAX_PT_physics"
     bl_options = {"DEFAULT_CLOSED"}
@@ -185,6 +206,11 @@ class UMAX_PT_sidebar_maps(SidebarPanel, MapsPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
+class UMAX_PT_sidebar_pins(SidebarPanel, PinsPanel, bpy.types.Panel):
+    bl_parent_id = "UMAX_PT_sidebar"
+    bl_options = {"DEFAULT_CLOSED"}
+
+
 class UMAX_PT_sidebar_start(SidebarPanel, StartPanel, bpy.types.Panel):
     bl_parent_id = "UMAX_PT_sidebar"
     bl_options = {"DEFAULT_CLOSED"}
@@ -194,8 +220,9 @@ class UMAX_PT_sidebar_bake(SidebarPanel, BakePanel, bpy.types.Panel):
     pass
 
 
-classes = (UMAX_MT_presets, UMAX_PT_physics, UMAX_PT_physics_maps, UMAX_PT_physics_start, UMAX_PT_physics_bake,
-           UMAX_PT_sidebar, UMAX_PT_sidebar_maps, UMAX_PT_sidebar_start, UMAX_PT_sidebar_bake)
+classes = (UMAX_MT_presets, UMAX_PT_physics, UMAX_PT_physics_maps, UMAX_PT_physics_pins, UMAX_PT_physics_start, UMAX_PT_physics_bake,
+           UMAX_PT_sidebar, UMAX_PT_sidebar_maps, UMAX_PT_sidebar_pins,
+           UMAX_PT_sidebar_start, UMAX_PT_sidebar_bake)
 
 
 def register():

@@ -34,7 +34,8 @@ class Instants:
 
 
 class Sampler:
-    """A collider: writes its vertices in world coordinates, and finds out whether it moves rigidly."""
+    """Of a collider, of what a pin follows, of a body's own animation: writes its vertices in world coordinates, and finds
+    out whether it moves rigidly. What has no vertices is its axes alone."""
 
     def __init__(self, thing, instants, path):
         self.name, self.instants, self.path = thing.name, instants, path
@@ -48,6 +49,9 @@ class Sampler:
     def take(self):
         thing = bpy.data.objects[self.name]
         matrix = shapes.matrix_of(thing)
+        if not shapes.has_surface(thing):
+            self._take_axes(matrix)
+            return
         if self.shape is None:
             self._begin(shapes.evaluated_shape(thing))
             positions = self.shape.positions
@@ -65,6 +69,12 @@ class Sampler:
         moved = self.mover(matrix, positions)
         self.writer.append(moved)
         self._watch(moved)
+
+    def _take_axes(self, matrix):
+        self.matrices.append(matrix.to_3x3().normalized().to_4x4())
+        self.matrices[-1].translation = matrix.to_translation()
+        if len(self.matrices) > 1:
+            self.fastest = max(self.fastest, math.dist(self.matrices[-1].translation, self.matrices[-2].translation))
 
     def _begin(self, shape):
         self.num_vertices = shape.num_vertices
@@ -84,8 +94,13 @@ class Sampler:
             self.fastest = max(self.fastest, max(math.dist(a, b) for a, b in zip(points, self.watched)))
         self.watched = points
 
+    def moves(self):
+        return not self.is_rigid or any(matrix != self.matrices[0] for matrix in self.matrices)
+
     def finish(self):
         """Keeps the file only where it is needed."""
+        if not self.writer:
+            return
         self.writer.finish()
         if self.is_rigid:
             os.remove(self.path)
@@ -117,9 +132,8 @@ def inverted(matrix):
 Y_UP = Matrix(((1, 0, 0), (0, 0, 1), (0, -1, 0)))  # from Blender's axes to those of umax
 
 
-def rigid_keys(matrices, instants, unit, rest):
-    """position [m] and rotation [deg] as keys of a scene, constants where nothing moves; rest: what the mesh was turned and
-    scaled by already"""
+def rigid_tracks(matrices, instants, unit, rest):
+    """place [m] and angles [deg] at each instant, as (time, value) pairs; rest: what counts as not turned"""
     start = inverted(rest)
     positions, rotations, before = [], [], None
     for index, matrix in enumerate(matrices):
@@ -128,7 +142,24 @@ def rigid_keys(matrices, instants, unit, rest):
         before = angles
         positions.append([instants.time(index), [unit * number for number in Y_UP @ matrix.to_translation()]])
         rotations.append([instants.time(index), [math.degrees(angle) for angle in angles]])
+    return positions, rotations
+
+
+def rigid_keys(matrices, instants, unit, rest):
+    """position and rotation as keys of a scene, constants where nothing moves; rest: what the mesh was turned and scaled by
+    already"""
+    positions, rotations = rigid_tracks(matrices, instants, unit, rest)
     return keyed(positions), keyed(rotations)
+
+
+def follow_keys(sampler, unit):
+    """how a pin goes along with what moves rigidly: by how much it is moved, and turned about the object's origin"""
+    if not sampler.moves():
+        return {}
+    positions, rotations = rigid_tracks(sampler.matrices, sampler.instants, unit, sampler.matrices[0].to_3x3())
+    start = positions[0][1]
+    shifts = [[time, [now - then for now, then in zip(place, start)]] for time, place in positions]
+    return {"follow.position": keyed(shifts), "follow.rotation": keyed(rotations), "follow.pivot": start}
 
 
 def keyed(keys):

@@ -1,7 +1,7 @@
 """What the user sets: of each object, of the scene, and where the program is."""
 import bpy
-from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
-                       StringProperty)
+from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty,
+                       PointerProperty, StringProperty)
 
 ROLES = (
     ("NONE", "Nothing", "Has no part in the simulation"),
@@ -24,6 +24,14 @@ COLLIDER_SHAPES = (
     ("MESH", "Mesh", "Its surface, with its modifiers, in every frame"),
     ("PLANE", "Floor", "All that is below the object's own XY plane, without an end"),
 )
+
+
+class UmaxPin(bpy.types.PropertyGroup):
+    """Points of a body that follow an animation"""
+    group: StringProperty(name="Vertex group", description="Weight 1 follows exactly, 0 is free, between a spring pulls; none: "
+                                                            "what is inside of the object that is followed")
+    target: PointerProperty(name="Follows", type=bpy.types.Object,
+                            description="Animated object; none: the body's own animation, by its shape keys, armature, parent")
 
 
 class UmaxObject(bpy.types.PropertyGroup):
@@ -56,6 +64,7 @@ class UmaxObject(bpy.types.PropertyGroup):
     stiffness_group: StringProperty(name="Stiffness map", description="Vertex group that says where it is softer or stiffer")
     stiffness_range: FloatVectorProperty(name="Factors at weight 0 and 1", size=2, default=(0.1, 1), min=0.01, max=1000,
                                          description="What the stiffness is multiplied by")
+    pins: CollectionProperty(type=UmaxPin)
     # collider
     shape: EnumProperty(name="Shape", items=COLLIDER_SHAPES, default="AUTO")
     # whether it has a cache of a bake
@@ -95,7 +104,7 @@ def preferences():
     return bpy.context.preferences.addons[__package__].preferences
 
 
-classes = (UmaxObject, UmaxScene, UmaxPreferences)
+classes = (UmaxPin, UmaxObject, UmaxScene, UmaxPreferences)
 
 
 def register():

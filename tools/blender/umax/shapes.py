@@ -48,6 +48,10 @@ class Selection:
         return Shape(self.positions(shape.positions), array("i", [new[corner] for corner in shape.triangles]))
 
 
+def has_surface(thing):
+    return thing.type in {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
 def numbers_of(collection, attribute, kind, each):
     numbers = array(kind, bytes(4 * each * len(collection)))
     collection.foreach_get(attribute, numbers)
