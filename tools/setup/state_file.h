@@ -8,15 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/model/model.h"
 #include "core/step/step.h"
+#include "tools/setup/model_digest.h"
 
 namespace umax {
-
-using Digest = std::string;  // SHA-256, 64 hexadecimal digits
-
-/// Identifies what a state belongs to: everything that decides the next step's bits (model, time step, solver).
-Digest model_digest(const Model& model, const StepOptions& options);
 
 std::string encode_state(const State& state, const Digest& model);
 
