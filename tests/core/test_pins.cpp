@@ -49,7 +49,7 @@ std::vector<Vector3d> rod(const Vector3d& from, const Vector3d& to, double radiu
   std::vector<Vector3d> points;
   for (int i = 0; i <= 12; ++i)
     for (int k = 0; k < 6; ++k) {
-      const double angle = k * EIGEN_PI / 3;
+      const double angle = k * double(EIGEN_PI) / 3;
       points.push_back(from + i / 12.0 * (to - from) + radius * Vector3d(0, std::cos(angle), std::sin(angle)));
     }
   return points;

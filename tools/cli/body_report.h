@@ -1,7 +1,6 @@
-// What inspect tells of a body: its cage, its hexes, its limits, its maps; printed, and as JSON.
+// What inspect tells of a body: its cage, its hexes, its limits, its maps.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,8 +42,6 @@ struct BodyReport {
 };
 
 BodyReport report_body(const BodyDescription& description, const BodySetup& setup);
-
-nlohmann::ordered_json to_json(const BodyReport& report);
 
 void print_body(const BodyReport& report);
 

@@ -19,6 +19,83 @@
 namespace umax {
 namespace {
 
+nlohmann::ordered_json cell_size_json(const Vector3d& size) {
+  if ((size.array() - size.x()).abs().maxCoeff() <= 1e-9 * size.x()) return size.x();
+  return {size.x(), size.y(), size.z()};
+}
+
+nlohmann::ordered_json to_json(const HexReport& report) {
+  const auto both = [](const Extremes& extremes) { return std::array{extremes.least, extremes.largest}; };
+  nlohmann::ordered_json json;
+  json["edge_m"] = both(report.edge);
+  json["volume_m3"] = both(report.volume);
+  json["worst_scaled_jacobian"] = report.scaled_jacobian;
+  json["worst_hex"] = report.worst_hex;
+  json["worst_determinant_ratio"] = report.determinant_ratio;
+  json["young_factor"] = both(report.young_factor);
+  json["limit_factor"] = both(report.limit_factor);
+  return json;
+}
+
+nlohmann::ordered_json to_json(const LimitReport& report) {
+  const auto finite = [](double strain) {
+    return std::isfinite(strain) ? nlohmann::ordered_json(strain) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"energy_J", report.energy},
+          {"density_J_m3", report.density},
+          {"stretch", report.strains.stretch},
+          {"shear", finite(report.strains.shear)},
+          {"volume_change", finite(report.strains.volume_change)},
+          {"kind", report.kind == LimitKind::soft ? "soft" : "hard"},
+          {"measure", report.measure == LimitMeasure::peak ? "peak" : "mean"}};
+}
+
+// under "limit", and those of parts under "part_limits" by name; what it is at later keys, in a list under "keys"
+void add_limit(const LimitReport& report, nlohmann::ordered_json& body) {
+  const std::string name = limit_name(report.part);
+  nlohmann::ordered_json& limit =
+      report.part == EnergyPart::whole ? body["limit"] : body["part_limits"][name.substr(name.find('.') + 1)];
+  if (limit.is_null()) {
+    limit = to_json(report);
+    return;
+  }
+  limit["keys"].push_back(to_json(report));
+  limit["keys"].back()["time_s"] = report.time;
+}
+
+nlohmann::ordered_json to_json(const BodyMap& map) {
+  return {{"key", map.key},
+          {"source", map.source},
+          {"factor", {map.hexes.factors.minCoeff(), map.hexes.factors.maxCoeff()}},
+          {"hexes_outside", map.hexes.num_outside},
+          {"hexes_clamped", map.hexes.num_clamped}};
+}
+
+nlohmann::ordered_json to_json(const BodyReport& report) {
+  nlohmann::ordered_json json;
+  json["vertices"] = report.vertices;
+  json["triangles"] = report.triangles;
+  json["parts"] = report.parts;
+  json["size_m"] = {report.size.x(), report.size.y(), report.size.z()};
+  json["cells"] = report.cells;
+  json["nodes"] = report.nodes;
+  json["cell_size_m"] = cell_size_json(report.cell_size);
+  if (report.hexes) json["hexes"] = to_json(*report.hexes);
+  json["mesh_volume_m3"] = report.mesh_volume;
+  json["lattice_volume_m3"] = report.lattice_volume;
+  json["mesh_mass_kg"] = report.mesh_mass;
+  json["lattice_mass_kg"] = report.lattice_mass;
+  json["young_Pa"] = report.young;
+  json["watertight"] = report.watertight;
+  json["inside_by"] = report.inside_by;
+  json["limit"] = nullptr;  // of the whole energy
+  for (const LimitReport& limit : report.limits) add_limit(limit, json);
+  json["maps"] = nlohmann::ordered_json::array();
+  for (const BodyMap& map : report.maps) json["maps"].push_back(to_json(map));
+  json["problems"] = report.problems;
+  return json;
+}
+
 nlohmann::ordered_json run_json(const std::filesystem::path& run) {
   nlohmann::ordered_json json;
   json["states"] = count_states(run);
