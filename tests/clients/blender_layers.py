@@ -17,7 +17,7 @@ FRAME, WIDTH, HEIGHT = 9, 96, 54
 
 # inside of Blender: picks mattes from our picture, then renders the exported meshes with Cycles
 INSIDE = r"""
-import bpy, json, math, sys
+import bpy, json, math, os, sys
 from mathutils import Matrix
 job = json.loads(sys.argv[sys.argv.index("--") + 1])
 scene = bpy.context.scene
@@ -58,7 +58,13 @@ camera.matrix_world = Matrix(job["camera_to_world"])
 camera.data.sensor_fit, camera.data.angle_y = "VERTICAL", math.radians(job["fov"])
 camera.data.sensor_fit = "VERTICAL"
 for name in job["caches"]:
-    bpy.ops.wm.obj_import(filepath=f"{job['caches_folder']}/{name}.obj", forward_axis="Y", up_axis="Z")
+    ply = f"{job['caches_folder']}/{name}.ply"  # of meshes with vertices of no face, which the importer of OBJ leaves out
+    if not os.path.exists(ply):
+        bpy.ops.wm.obj_import(filepath=f"{job['caches_folder']}/{name}.obj", forward_axis="Y", up_axis="Z")
+    elif bpy.app.version < (4, 0, 0):
+        bpy.ops.import_mesh.ply(filepath=ply)
+    else:
+        bpy.ops.wm.ply_import(filepath=ply, forward_axis="Y", up_axis="Z")
     thing = bpy.context.selected_objects[0]
     cache = thing.modifiers.new("cache", "MESH_CACHE")
     cache.cache_format, cache.filepath = "PC2", f"{job['caches_folder']}/{name}.pc2"
