@@ -112,7 +112,10 @@ TEST_CASE("both linear solvers end at the same step in the built-in scenes, but 
     if (scene.name == "armadillo") overrides.push_back({"body.armadillo.shape", "figure"});
     Simulation simulation = set_up(parse_scene({.text = std::string(scene.text)}, overrides));
     simulation.options.solver.linear = LinearSolver::direct;
-    if (plan_linear_solvers(simulation.model, simulation.options.solver).against_multigrid) continue;
+    if (plan_linear_solvers(simulation.model, simulation.options.solver).against_multigrid) {
+      CHECK(scene.name == "puppet");  // springs of its pins, which multigrids do not know
+      continue;
+    }
     Workspace workspace(simulation.model);
     State state = rest_state(simulation.model);
     // to a state in which something is active, if that comes within a second
@@ -140,6 +143,6 @@ TEST_CASE("both linear solvers end at the same step in the built-in scenes, but 
     ++scenes;
     agreeing += difference <= 2e-3 * smallest;
   }
-  CHECK(scenes == int(builtin_scenes().size()));
+  CHECK(scenes == int(builtin_scenes().size()) - 1);
   CHECK(agreeing >= scenes - 2);  // all but `steps` with AVX-512; another rounding may decide otherwise
 }
