@@ -157,16 +157,10 @@ void check(const PathTraceOptions& options, const Crop& crop) {
     fail("render.crop", "must lie inside the picture and not be empty; left edge", crop.x0);
 }
 
-TracedImage black_image(const RenderScene& scene, const PathTraceOptions& options, int width, int height) {
-  TracedImage image{.color = Image(width, height),
-                    .albedo = Image(width, height),
-                    .normal = Image(width, height),
-                    .depth = Image(width, height, 1),
-                    .variance = Image(width, height, 1),
-                    .half = Image(width, height),
-                    .samples = Image(width, height, 1),
-                    .alpha = Image(width, height, 1),
-                    .mattes = std::vector<Image>(options.mattes.size(), Image(width, height, 2 * matte_ranks))};
+// black, with all the layers that the options and the scene ask for
+TracedImage all_layers(const RenderScene& scene, const PathTraceOptions& options, int width, int height) {
+  TracedImage image = black_image(width, height);
+  image.mattes.assign(options.mattes.size(), Image(width, height, 2 * matte_ranks));
   if (has_shadow_catchers(scene))
     image.caught = CaughtImage{.light = Image(width, height),
                                .half = Image(width, height),
@@ -195,6 +189,18 @@ class Progress {
 
 }  // namespace
 
+TracedImage black_image(int width, int height) {
+  return {.color = Image(width, height),
+          .albedo = Image(width, height),
+          .normal = Image(width, height),
+          .depth = Image(width, height, 1),
+          .variance = Image(width, height, 1),
+          .half = Image(width, height),
+          .samples = Image(width, height, 1),
+          .alpha = Image(width, height, 1),
+          .mattes = {}};
+}
+
 bool has_shadow_catchers(const RenderScene& scene) {
   return std::any_of(scene.objects.begin(), scene.objects.end(),
                      [](const RenderObject& object) { return object.catches_shadows; });
@@ -205,7 +211,7 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
   check(options, crop);
   const PathTracer tracer = make_tracer(rays, scene, options);
   const int width = crop.x1 - crop.x0, height = crop.y1 - crop.y0;
-  TracedImage image = black_image(scene, options, width, height);
+  TracedImage image = all_layers(scene, options, width, height);
   const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);

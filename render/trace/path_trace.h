@@ -58,6 +58,9 @@ struct TracedImage {
   std::optional<CaughtImage> caught = {};  // where anything catches shadows: it is shown like anything else
 };
 
+/// A picture that is black, and empty in all that guides a filter; without mattes and caught light.
+TracedImage black_image(int width, int height);
+
 /// Whether anything in the scene catches shadows.
 bool has_shadow_catchers(const RenderScene& scene);
 

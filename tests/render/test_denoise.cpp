@@ -15,15 +15,7 @@ namespace {
 
 // a flat, evenly lit picture of two materials that meet at x = split, with noise of a given size
 TracedImage two_materials(int width, int height, int split, float noise) {
-  TracedImage t{.color = Image(width, height),
-                .albedo = Image(width, height),
-                .normal = Image(width, height),
-                .depth = Image(width, height, 1),
-                .variance = Image(width, height, 1),
-                .half = Image(width, height),
-                .samples = Image(width, height, 1),
-                .alpha = Image(width, height, 1),
-                .mattes = {}};
+  TracedImage t = black_image(width, height);
   std::mt19937 random(3);
   const auto wobble = [&] { return noise * (float(random()) / float(std::mt19937::max()) * 2 - 1) * std::sqrt(3.0f); };
   for (int y = 0; y < height; ++y) {
