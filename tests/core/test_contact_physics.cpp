@@ -72,26 +72,31 @@ TEST_CASE("a soft block on a soft incline sticks below Coulomb's angle and slide
   Body slider = touchable_block("slider", {2, 2, 2}, {0.15, 0.1, 0.05}, 0.1);
   for (Body* body : {&base, &slider}) {
     body->friction = friction;
-    body->material.young = 1e6;  // sinks by less than half a per cent
+    body->material.young = 1e6;
     body->material.damping_stiffness = 2e-3;
   }
   fix_plane(base, 0);
   const Model model = make_model({base, slider}, {});
   StepOptions options;
+  options.solver.tolerance = 1e-5;  // just above Coulomb's angle a hundredth of the weight is all that drives
   const double angle = std::atan(tangent);
   options.gravity = 9.81 * Vector3d(std::sin(angle), -std::cos(angle), 0);
   State state = rest_state(model);
-  simulate(model, options, 10, state, [](const StepReport&, const State&) {});  // it settles
+  const double height = centre_of(model, state, 1).y();
+  const auto all_converge = [](const StepReport& report, const State&) {
+    CHECK(report.status == StepStatus::converged);
+  };
+  simulate(model, options, 20, state, all_converge);  // it settles
   const double start = centre_of(model, state, 1).x(), before = velocity_of(model, state, 1).x();
-  simulate(model, options, 20, state,
-           [&](const StepReport& report, const State&) { CHECK(report.status == StepStatus::converged); });
+  CHECK(height - centre_of(model, state, 1).y() < 0.005 * 0.2);  // sinks by less than half a per cent of its height
+  simulate(model, options, 20, state, all_converge);
   const double moved = centre_of(model, state, 1).x() - start, gained = velocity_of(model, state, 1).x() - before;
   const double expected = 9.81 * (std::sin(angle) - friction * std::cos(angle)) * 20 / 60;
   if (tangent < friction) {
     CHECK(std::abs(moved) < 1e-4);
   } else {
     CHECK(moved > 0);
-    CHECK(gained == Approx(expected).epsilon(tangent > 0.6 ? 0.02 : 0.1));
+    CHECK(gained == Approx(expected).epsilon(0.02));
   }
 }
 
@@ -239,9 +244,12 @@ TEST_CASE("a collision of mirror images stays one, whichever body is listed firs
   const double cell = 0.1;
   Body left = touchable_block("left", {2, 2, 2}, {-0.22, 0, 0}, cell, 2);
   Body right = touchable_block("right", {2, 2, 2}, {0.02, 0, 0}, cell, 2);
-  left.friction = right.friction = 0;
+  left.friction = right.friction = GENERATE(0.0, 0.4);
   left.velocity = {1.5, 0, 0};
   right.velocity = {-1.5, 0, 0};
+  // with friction what the solver's tolerance leaves of forces weighs more
+  const double largest_difference = left.friction == 0 ? 1e-6 : 1e-5;  // in cells
+  CAPTURE(left.friction);
   const bool reversed = GENERATE(false, true);
   const Model model = make_model(reversed ? std::vector{right, left} : std::vector{left, right}, {});
   StepOptions options = without_gravity();
@@ -261,7 +269,7 @@ TEST_CASE("a collision of mirror images stays one, whichever body is listed firs
           worst = std::max(
               worst, (Vector3d(first.row(a)).cwiseProduct(Vector3d(-1, 1, 1)) - second.row(b).transpose()).norm());
     }
-    CHECK(worst < 1e-6 * cell);
+    CHECK(worst < largest_difference * cell);
   });
   CHECK(contacts > 0);
 }
