@@ -58,21 +58,20 @@ bool undoes(const Vector3d& turn, const Vector3d& before) {
 }
 
 // The contact at its next place, or with its plane there. A vertex that slides to and fro between faces of nearly one plane
-// is held by one of them: gaps now of the one, now of the other would keep it going.
+// is held by one of them: gaps now of the one, now of the other would keep it going. So would a look away in between: a
+// fingertip that leaves a limb on one side comes back to it on the other.
 void move_on(const Model& model, const Points& positions, const Contact& next, Contact& contact) {
-  const bool kept_plane = keeps_plane(contact);
   const Vector3d turn = contact.normal.isZero(0) ? Vector3d(0, 0, 0) : Vector3d(next.normal - contact.normal);
-  if (!kept_plane && undoes(turn, contact.turn)) ++contact.turns_back;
+  if (!keeps_plane(contact) && undoes(turn, contact.turn)) ++contact.turns_back;
   contact.turn = turn;
-  const bool is_away = next.gap > nearly_outside * tolerance_depth(model, next);
-  if (keeps_plane(contact) && !is_away) {
+  if (keeps_plane(contact) && next.gap <= nearly_outside * tolerance_depth(model, next)) {
     keep_at_vertex(model, positions, contact);
     if (next.normal.dot(contact.normal) > same_plane &&
         std::abs(next.gap - contact.gap) > kept_share * tolerance_depth(model, next))
       contact.gap = next.gap;
     return;
   }
-  const int turns_back = is_away ? 0 : contact.turns_back;
+  const int turns_back = contact.turns_back;
   contact = next;
   contact.turn = turn;
   contact.turns_back = turns_back;

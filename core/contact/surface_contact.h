@@ -43,7 +43,7 @@ bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& 
 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
 /// the touched body's cage, or is in a hex turned inside out, keeps its place and normal. So does one whose normal turns
-/// to and fro between iterates, as between two faces at an edge, until it is well outside: staying outside one face's
+/// to and fro between iterates, as between two faces at an edge, while it is not well outside: staying outside one face's
 /// plane is staying outside of a ridge, and in a groove the other face's joins (add_surface_contacts()).
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);

@@ -19,6 +19,7 @@ constexpr double multigrid_penalty = 1e3;  // rho / (U_max + lambda), on multigr
 constexpr double hold = 10;                // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
 constexpr int normal_updates = 6;          // iterations, but those cut short where bodies meet, after which contacts
                                            // keep their normals
+constexpr double worth_patience = 10;  // [tolerances] of the residual, once: two halves cost more than some iterations
 
 // One of the two ways in which the SQP solves its subproblem, and what goes with it.
 struct BackEnd {
@@ -105,7 +106,7 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     iterate.residuals.push_back(quality.kkt);
     report_iteration(problem, iteration, quality, iterate);
     if (added == 0 && is_solution(problem, quality, iterate)) return true;
-    been_near = been_near || quality.kkt <= near_solution * solver.tolerance;
+    been_near = been_near || quality.kkt <= worth_patience * solver.tolerance;
     const int patience = been_near ? back_end.patience_near : back_end.patience;
     const int spent = std::max(iteration - cut_steps, iteration / 2);  // cut ones are many where bodies come together
     if (spent >= patience * solver.max_newton_iterations) return false;

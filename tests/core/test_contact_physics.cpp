@@ -247,13 +247,14 @@ TEST_CASE("a collision of mirror images stays one, whichever body is listed firs
   left.friction = right.friction = GENERATE(0.0, 0.4);
   left.velocity = {1.5, 0, 0};
   right.velocity = {-1.5, 0, 0};
-  // with friction what the solver's tolerance leaves of forces weighs more
-  const double largest_difference = left.friction == 0 ? 1e-6 : 1e-5;  // in cells
+  // with friction steps need not converge so far, and what their tolerance leaves of forces is not the same on both sides
+  const bool has_friction = left.friction > 0;
+  const double largest_difference = has_friction ? 1e-4 : 1e-6;  // in cells
   CAPTURE(left.friction);
   const bool reversed = GENERATE(false, true);
   const Model model = make_model(reversed ? std::vector{right, left} : std::vector{left, right}, {});
   StepOptions options = without_gravity();
-  options.solver.tolerance = 1e-8;
+  options.solver.tolerance = has_friction ? 1e-6 : 1e-8;
   options.solver.linear = LinearSolver::direct;
   State state = rest_state(model);
   int contacts = 0;
