@@ -268,8 +268,10 @@ void append_springs(const HexConditions& of, const Points& rest_nodes, const Hex
   for (std::size_t k = 0; k < of.points.size(); ++k) missed.row(Eigen::Index(k)) += at.target(of.points[k]).transpose();
   const Points places = of.directions * nodes + of.answers * missed;
   for (Eigen::Index i = 0; i < places.rows(); ++i)
-    springs.push_back(
-        {of.hex, of.directions.row(i).transpose(), std::numeric_limits<double>::infinity(), places.row(i).transpose()});
+    springs.push_back({.hex = of.hex,
+                       .weights = of.directions.row(i).transpose(),
+                       .place = places.row(i).transpose(),
+                       .is_exact = true});
 }
 
 }  // namespace
@@ -319,7 +321,7 @@ PinDemands BodyPins::demands_at(double time) const {
   for (const auto& [hex, point] : conditions.soft) {
     const Pin& pin = pins_[std::size_t(point.pin)];
     demands.springs.push_back(
-        {hex, pin.points.weights.row(point.point).transpose(), pin.stiffness[point.point], at.target(point)});
+        {hex, pin.points.weights.row(point.point).transpose(), pin.stiffness[point.point], at.target(point), false});
   }
   std::stable_sort(demands.springs.begin(), demands.springs.end(),
                    [](const PinSpring& a, const PinSpring& b) { return a.hex < b.hex; });

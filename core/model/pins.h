@@ -6,7 +6,8 @@
 //   x = x' + (W^T W + e)^-1 W^T (d - W x')
 //
 // over all such hexes; where they leave some, each independent condition is held by a spring that is a million times
-// stiffer than the hex, along the singular vectors v of R, towards   v.x' + u.(d - W x') / s.
+// stiffer than the hex, along the singular vectors v of R, towards   v.x' + u.(d - W x') / s.   A limit is harder than any
+// spring: where it wins it is put aside (core/step/pinned_model.h).
 //
 // W: #P x 8 trilinear weights;  d: where the points go [m];  u, s, v: singular triples of W, s beyond rounding
 // x': the rigid motion that fits the points best (of each connected part of an animated mesh), applied to the nodes at
@@ -56,8 +57,9 @@ Points targets_at(const Pin& pin, double time);
 struct PinSpring {
   int hex = 0;                          // of the body
   Vector8d weights = Vector8d::Zero();  // of its nodes
-  double stiffness = 0;                 // [N/m]; infinity: as stiff as arithmetic allows
+  double stiffness = 0;                 // [N/m] where it is not exact
   Vector3d place = Vector3d::Zero();    // [m]
+  bool is_exact = false;                // of points that are to be where they are told, whatever it takes
 };
 
 /// What pins ask of a body at an instant.

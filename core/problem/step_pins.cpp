@@ -14,11 +14,11 @@ double stiffness_of_hex(const Model& model, const VectorXd& young, double time_s
   return young[hex] * model.bodies[model.hex_body[hex]].cell_size + mass / (time_step * time_step);
 }
 
+}  // namespace
+
 Vector3d missed(const Model& model, const PinSpring& spring, const Points& positions) {
   return hex_nodes(model, positions, spring.hex).transpose() * spring.weights - spring.place;
 }
-
-}  // namespace
 
 StepPins pins_at(const Model& model, const VectorXd& young, double time, double time_step) {
   StepPins pins;
@@ -32,8 +32,7 @@ StepPins pins_at(const Model& model, const VectorXd& young, double time, double 
     places.push_back(std::move(demands.places));
     for (PinSpring& spring : demands.springs) {
       spring.hex += body.first_hex;
-      if (std::isinf(spring.stiffness))
-        spring.stiffness = exact * stiffness_of_hex(model, young, time_step, spring.hex);
+      if (spring.is_exact) spring.stiffness = exact * stiffness_of_hex(model, young, time_step, spring.hex);
       pins.springs.push_back(spring);
     }
   }

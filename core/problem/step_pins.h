@@ -28,6 +28,9 @@ StepPins pins_at(const Model& model, const VectorXd& young, double time, double 
 /// Puts driven nodes where they go.
 void place_driven(const StepPins& pins, Points& positions);
 
+/// By how much [m] what a spring of the model holds is away from where it should be: w.x - p.
+Vector3d missed(const Model& model, const PinSpring& spring, const Points& positions);
+
 /// What the springs hold [J], and what they push nodes with, added to a gradient of 3 #N [N].
 double spring_energy(const Model& model, const StepPins& pins, const Points& positions);
 void add_spring_gradient(const Model& model, const StepPins& pins, const Points& positions, VectorXd& gradient);

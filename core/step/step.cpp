@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -66,6 +68,17 @@ StepReport joined(const StepReport& first, const StepReport& second) {
   return sum;
 }
 
+// the work of an attempt that is made again
+StepReport tried(const StepReport& attempt) {
+  StepReport work;
+  work.retries = attempt.retries;
+  work.substeps = 0;
+  work.sqp_iterations = attempt.sqp_iterations;
+  work.factorisations = attempt.factorisations;
+  work.linear_iterations = attempt.linear_iterations;
+  return work;
+}
+
 // Do hexes that may touch come so far towards each other that one solve would have too long a way?
 bool moves_too_fast(const Model& model, const ContactGeometry& geometry, const StepOptions& options,
                     const State& state) {
@@ -120,12 +133,8 @@ StepReport advance(const Model& model, const StepOptions& options, const LinearP
   if (!may_be_halved || report.status != StepStatus::iteration_limit) return report;
 
   state = start;
-  StepReport failed;
-  failed.retries = 1;
-  failed.substeps = 0;
-  failed.sqp_iterations = report.sqp_iterations;
-  failed.factorisations = report.factorisations;
-  failed.linear_iterations = report.linear_iterations;
+  StepReport failed = tried(report);
+  ++failed.retries;
   return joined(failed, advance_halves(model, options, plan, data, state, {left.failed - 1, left.fast}));
 }
 
@@ -202,6 +211,38 @@ StepReport advance_islands(const Model& model, const StepOptions& options, Works
   return advance_whole(model, options, data, state);
 }
 
+// A step of the model that pins drive. Where a limit keeps a point from where a pin has it, the limits of its hex and of those
+// around are put aside and the step is made again, and so on, as long as that helps: what a contact keeps away stays.
+StepReport advance_pinned(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
+  const double end = state.time + options.time_step;
+  const Model& pinned = pinned_model(model, end, data);
+  if (&pinned == &model) return advance_islands(model, options, data, state);
+  struct Attempt {
+    State end;
+    StepReport report;
+    double farthest = std::numeric_limits<double>::infinity();  // [cells] that a pin's point misses its place by
+  } best;
+  StepReport before;  // of attempts made again
+  before.substeps = 0;
+  for (std::vector<int> beaten;;) {
+    put_limits_aside(model, beaten, data);
+    Attempt now{state, {}};
+    now.report = advance_islands(pinned, options, data, now.end);
+    const MissedPins missed = missed_pins(pinned, options, now.end.positions, end);
+    now.farthest = missed.farthest;
+    std::vector<int> more;
+    std::set_union(beaten.begin(), beaten.end(), missed.hexes.begin(), missed.hexes.end(), std::back_inserter(more));
+    more = with_neighbours(model, more);
+    const bool helps = now.farthest < 0.5 * best.farthest;
+    if (helps) std::swap(best, now);
+    if (missed.hexes.empty() || !helps || more == beaten) break;
+    before = joined(before, tried(best.report));
+    beaten = std::move(more);
+  }
+  state = std::move(best.end);
+  return joined(before, best.report);
+}
+
 }  // namespace
 
 Workspace::Workspace(const Model& model) : data_(std::make_unique<Data>()) {
@@ -215,13 +256,12 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   require_measurable(model, options.solver.energy);
   require_solvable(plan_linear_solvers(model, options.solver), options.solver);
   State next = state;
-  const Model& solved = pinned_model(model, state.time + options.time_step, workspace.data());
-  StepReport report = advance_islands(solved, options, workspace.data(), next);
+  StepReport report = advance_pinned(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;
   ++next.step;
   measure_into(model, options, workspace.data().contact_geometry, next, report);
   next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
-  const bool is_pinned = &solved != &model;  // pins beat limits
+  const bool is_pinned = &pinned_model(model, next.time, workspace.data()) != &model;  // pins beat limits
   if (!next.been_feasible || (is_pinned && report.max_energy_ratio > 1 + options.solver.tolerance))
     report.status = StepStatus::infeasible;
   state = std::move(next);

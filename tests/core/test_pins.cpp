@@ -181,7 +181,12 @@ TEST_CASE("pins beat limits: only then is a limit exceeded, it is said, and the 
       points.emplace_back(x + 0.05 * (i % 2), 0.025 + 0.05 * (i / 2 % 4), 0.025 + 0.05 * (i / 8));
     return points;
   };
-  Pin left = pin_at(body.lattice, cells, block_of(0.02)), right = pin_at(body.lattice, cells, block_of(0.52));
+  // all of these hexes' nodes are led, or one point holds what springs hold
+  const bool few = GENERATE(false, true);
+  CAPTURE(few);
+  Pin left = pin_at(body.lattice, cells, block_of(0.02)),
+      right = pin_at(body.lattice, cells,
+                     few ? std::vector<Vector3d>{{0.55, 0.04, 0.1}, {0.56, 0.15, 0.11}} : block_of(0.52));
   right.motion.position.times = {0, 0.3, 0.5, 0.8};
   right.motion.position.values = {Vector3d(0, 0, 0), Vector3d(0.5, 0, 0), Vector3d(0.5, 0, 0), Vector3d(0, 0, 0)};
   hold({left, right}, body);
@@ -203,6 +208,25 @@ TEST_CASE("pins beat limits: only then is a limit exceeded, it is said, and the 
   CHECK(infeasible > 10);
   CHECK(infeasible < 60);
   CHECK((state.positions - rest_state(model).positions).cwiseAbs().maxCoeff() < 0.05);
+}
+
+TEST_CASE("a pin that pulls into the ground beats no limit for nothing") {
+  const Vector3i cells(3, 2, 3);
+  Body body = soft_block(cells);
+  limit_energy(body, 0.05);
+  Pin pin = pin_at(body.lattice, cells, {{0.15, 0, 0.15}});
+  pin.motion.position.times = {0, 0.2};
+  pin.motion.position.values = {Vector3d(0, 0, 0), Vector3d(0, -0.02, 0)};
+  hold({pin}, body);
+  const Model model = make_model({body}, {make_ground()});
+  State state = rest_state(model);
+  double farthest = 0;
+  simulate(model, StepOptions(), 20, state, [&](const StepReport& report, const State& now) {
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.max_energy_ratio <= 1.001);
+    farthest = std::max(farthest, miss(pin, model, now));
+  });
+  CHECK(farthest > 0.015);  // the ground wins
 }
 
 TEST_CASE("pins that move a cell and more in a step are followed in several, without an explosion") {
