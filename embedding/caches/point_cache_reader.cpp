@@ -30,12 +30,17 @@ T value_at(std::string_view bytes, std::size_t at, bool big_endian) {
   return std::bit_cast<T>(big_endian ? swapped(word) : word);
 }
 
+// of a mesh file's vertices: all, and those that triangles have
+struct VertexCounts {
+  Eigen::Index all = 0, used = 0;
+};
+
 void require_counts(const std::filesystem::path& path, std::int32_t frames, std::int32_t vertices,
-                    Eigen::Index wanted) {
+                    const VertexCounts& wanted) {
   if (frames < 1)
     refuse(path, fmt::format("has {} frames", frames), "export the animation again, with one frame at least");
-  if (vertices != wanted)
-    refuse(path, fmt::format("has {} vertices, but the mesh has {}", vertices, wanted),
+  if (vertices != wanted.all && vertices != wanted.used)
+    refuse(path, fmt::format("has {} vertices, but the mesh has {}", vertices, wanted.all),
            "give the mesh that was animated, in the same order of vertices and without modifiers that change their "
            "number");
 }
@@ -60,14 +65,14 @@ void read_positions(std::string_view bytes, bool big_endian, PointSamples& sampl
   for (float& value : samples.positions) value = std::bit_cast<float>(swapped(std::bit_cast<std::uint32_t>(value)));
 }
 
-PointSamples read_pc2(const std::filesystem::path& path, std::string_view bytes, Eigen::Index num_vertices) {
+PointSamples read_pc2(const std::filesystem::path& path, std::string_view bytes, const VertexCounts& wanted) {
   if (bytes.size() < pc2_header_size || bytes.substr(0, pc2_magic.size()) != pc2_magic)
     refuse(path, "is no PC2 file: it does not begin as one", "export the animation as PC2 or MDD");
   if (const auto version = value_at<std::int32_t>(bytes, 12, false); version != 1)
     refuse(path, fmt::format("is of version {} of PC2, which is not known", version), "export it as version 1, or MDD");
   const auto vertices = value_at<std::int32_t>(bytes, 16, false), frames = value_at<std::int32_t>(bytes, 28, false);
   const auto start = value_at<float>(bytes, 20, false), sampling = value_at<float>(bytes, 24, false);
-  require_counts(path, frames, vertices, num_vertices);
+  require_counts(path, frames, vertices, wanted);
   if (!std::isfinite(start) || !std::isfinite(sampling) || (frames > 1 && !(sampling > 0)))
     refuse(path, fmt::format("starts at {:g} and has a frame every {:g}: no times", start, sampling),
            "export the animation again");
@@ -79,10 +84,10 @@ PointSamples read_pc2(const std::filesystem::path& path, std::string_view bytes,
   return samples;
 }
 
-PointSamples read_mdd(const std::filesystem::path& path, std::string_view bytes, Eigen::Index num_vertices) {
+PointSamples read_mdd(const std::filesystem::path& path, std::string_view bytes, const VertexCounts& wanted) {
   if (bytes.size() < mdd_header_size) refuse(path, "is no MDD file: it is too short", "export the animation again");
   const auto frames = value_at<std::int32_t>(bytes, 0, true), vertices = value_at<std::int32_t>(bytes, 4, true);
-  require_counts(path, frames, vertices, num_vertices);
+  require_counts(path, frames, vertices, wanted);
   const std::size_t header = mdd_header_size + 4 * std::size_t(frames);
   require_size(path, bytes, header, frames, vertices);
   PointSamples samples{.times = {}, .are_frames = false, .num_vertices = vertices, .positions = {}};
@@ -120,10 +125,11 @@ bool is_point_cache(const std::filesystem::path& path) {
   return ending == ".pc2" || ending == ".mdd";
 }
 
-PointSamples read_point_cache(const std::filesystem::path& path, Eigen::Index num_vertices) {
+PointSamples read_point_cache(const std::filesystem::path& path, Eigen::Index num_vertices, Eigen::Index num_used) {
+  const VertexCounts wanted{num_vertices, num_used < 0 ? num_vertices : num_used};
   const std::string bytes = read_file(path);
   const bool is_mdd = path.extension().string().size() == 4 && std::tolower(path.extension().string()[1]) == 'm';
-  PointSamples samples = is_mdd ? read_mdd(path, bytes, num_vertices) : read_pc2(path, bytes, num_vertices);
+  PointSamples samples = is_mdd ? read_mdd(path, bytes, wanted) : read_pc2(path, bytes, wanted);
   for (std::size_t k = 0; k < samples.times.size(); ++k) require_finite_sample(path, samples, k);
   return samples;
 }

@@ -22,8 +22,9 @@ bool is_point_cache(const std::filesystem::path& path);
 
 /// Throws Error: not_found, io_error; bad_data that says what is wrong: not of the format, cut off, longer than it says,
 /// without frames, of another number of vertices, times that do not increase, coordinates that are not finite. A PC2's
-/// `sampling` of half a second and more is in frames, as most programs write it.
-PointSamples read_point_cache(const std::filesystem::path& path, Eigen::Index num_vertices);
+/// `sampling` of half a second and more is in frames, as most programs write it. num_used: of the mesh file's vertices those
+/// that it may be of as well, as programs write it that drop vertices without a triangle; -1: all are.
+PointSamples read_point_cache(const std::filesystem::path& path, Eigen::Index num_vertices, Eigen::Index num_used = -1);
 
 /// Throws Error (bad_data) naming the vertex unless all of the instant's coordinates are finite.
 void require_finite_sample(const std::filesystem::path& path, const PointSamples& samples, std::size_t instant);

@@ -1,4 +1,6 @@
 // Animations of other programs as obstacles, from the scene to pictures and back to files.
+#include <fmt/format.h>
+
 #include <cstring>
 
 #include "core/files/read_file.h"
@@ -115,6 +117,35 @@ TEST_CASE("PC2, MDD and folders of meshes are the same obstacle, in the mesh's u
   }
   CHECK((middles[0] - middles[1]).cwiseAbs().maxCoeff() < 1e-7);  // MDD's times are floats
   CHECK((middles[0] - middles[2]).cwiseAbs().maxCoeff() < 1e-7);
+}
+
+TEST_CASE("a cache of a file's vertices is that of its mesh, be those of no triangle among them or not") {
+  const Animation animation;
+  const auto middle = [&](const char* cache) {
+    return obstacle_mesh(set_up(load_scene(animation.scene(cache).string())), 0, 0.333)->positions;
+  };
+  const Points expected = middle("lift.pc2");
+  // the mesh file gets a vertex before the first and one after the last that no triangle has
+  std::string text = "v 99 99 99\n";
+  const FloatPoints rest = box_at(1);
+  for (const auto& at : rest.rowwise()) text += fmt::format("v {} {} {}\n", at[0], at[1], at[2]);
+  text += "v 98 98 98\n";
+  const Triangles triangles = box_triangles();
+  for (const auto& corners : triangles.rowwise())
+    text += fmt::format("f {} {} {}\n", corners[0] + 2, corners[1] + 2, corners[2] + 2);
+  make_file(animation.folder / "lift.obj", text);
+  PointCacheWriter all(animation.folder / "all.pc2", PointCacheKind::pc2, 10,
+                       {.fps = cache_fps, .frames = {1, 2, 3, 4, 5, 6, 7}});
+  for (int frame = 1; frame <= num_frames; ++frame) {
+    SurfaceFrame at;
+    at.frame = frame;
+    at.positions = FloatPoints::Constant(10, 3, 90);
+    at.positions.middleRows(1, 8) = box_at(frame);
+    all.append(at);
+  }
+  all.finish();
+  CHECK(middle("all.pc2") == expected);
+  CHECK(middle("lift.pc2") == expected);
 }
 
 TEST_CASE("start, speed, offset and frames a second say when an animation plays") {

@@ -37,6 +37,18 @@ PointSamples read_folder(const std::filesystem::path& folder, Eigen::Index num_v
   return samples;
 }
 
+// leaves out what no triangle has
+void take_vertices(const FileVertices& vertices, PointSamples& samples) {
+  const auto all = std::size_t(samples.num_vertices), used = std::size_t(vertices.count);
+  std::vector<float> taken(3 * used * samples.times.size());
+  for (std::size_t k = 0; k < samples.times.size(); ++k)
+    for (std::size_t v = 0; v < used; ++v)
+      std::copy_n(samples.positions.begin() + std::ptrdiff_t(3 * (k * all + std::size_t(vertices.places[v]))), 3,
+                  taken.begin() + std::ptrdiff_t(3 * (k * used + v)));
+  samples.num_vertices = vertices.count;
+  samples.positions = std::move(taken);
+}
+
 // what a file says becomes seconds from its first frame
 std::vector<double> seconds_of(const CacheSource& cache, const PointSamples& samples, const ClipDescription& clip,
                                std::vector<std::string>& notes) {
@@ -107,13 +119,15 @@ Hull hull_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-MeshMotion read_motion(const CacheSource& cache, Eigen::Index num_vertices, const Eigen::Affine3d& placed_from_own,
+MeshMotion read_motion(const CacheSource& cache, const FileVertices& vertices, const Eigen::Affine3d& placed_from_own,
                        const ClipDescription& clip, std::vector<std::string>& notes) {
-  PointSamples samples = std::filesystem::is_directory(cache.path) ? read_folder(cache.path, num_vertices)
-                                                                   : read_point_cache(cache.path, num_vertices);
+  PointSamples samples = std::filesystem::is_directory(cache.path)
+                             ? read_folder(cache.path, vertices.count)
+                             : read_point_cache(cache.path, vertices.num_in_file, vertices.count);
+  if (samples.num_vertices != vertices.count) take_vertices(vertices, samples);
   MeshMotion motion{.times = seconds_of(cache, samples, clip, notes),
                     .samples = std::move(samples.positions),
-                    .num_vertices = num_vertices,
+                    .num_vertices = vertices.count,
                     .placed_from_own = placed_from_own};
   for (double& time : motion.times) time = cache.start + (time - cache.offset) / cache.speed;
   const double clip_end = (clip.frames - 1) / clip.fps;

@@ -12,9 +12,17 @@
 
 namespace umax {
 
-/// Reads an animation of that many vertices, whose units and axes are those of the mesh. Throws Error: not_found;
-/// bad_data where it is damaged, of other vertices, or has gaps in its times. notes: for the user.
-MeshMotion read_motion(const CacheSource& cache, Eigen::Index num_vertices, const Eigen::Affine3d& placed_from_own,
+/// A mesh's vertices among those of its file, some of which no triangle may have.
+struct FileVertices {
+  Eigen::Index count = 0;            // #V of the mesh
+  std::vector<int> places = {};      // #V in the file's order; empty: all as there
+  Eigen::Index num_in_file = count;  // with those that no triangle has
+};
+
+/// Reads an animation of a mesh, whose units and axes are those of the mesh: of all of its file's vertices, or of those of
+/// triangles alone. Throws Error: not_found; bad_data where it is damaged, of other vertices, or has gaps in its times.
+/// notes: for the user.
+MeshMotion read_motion(const CacheSource& cache, const FileVertices& vertices, const Eigen::Affine3d& placed_from_own,
                        const ClipDescription& clip, std::vector<std::string>& notes);
 
 /// Gives the obstacle the animated mesh's surface. mesh: at rest, in the obstacle's own frame [m]; thickness: [m], unset:

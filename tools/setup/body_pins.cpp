@@ -128,9 +128,10 @@ std::vector<Rider> riders_on(const TriangleMesh& bones, double cell) {
   return riders;
 }
 
-// a pin's points on bones, which lie in the body's own units and axes; returns the number of the bones' vertices
-Eigen::Index hold_bones(const MeshSource& inside, const PinnedBody& body, Pin& pin, std::vector<double>& weights) {
-  TriangleMesh bones = load_mesh(inside.path).mesh;
+// a pin's points on bones, which lie in the body's own units and axes; returns the bones' vertices
+FileVertices hold_bones(const MeshSource& inside, const PinnedBody& body, Pin& pin, std::vector<double>& weights) {
+  MeshFile file = load_mesh(inside.path);
+  TriangleMesh& bones = file.mesh;
   for (auto position : bones.positions.rowwise())
     position = (body.shape.world_from_file * Vector3d(position.transpose())).transpose();
   const std::vector<Rider> riders = riders_on(bones, cell_of(body.lattice));
@@ -151,7 +152,7 @@ Eigen::Index hold_bones(const MeshSource& inside, const PinnedBody& body, Pin& p
   }
   pin.points = embed_points(pin.rest, body.lattice, "inside: point");
   weights.assign(std::size_t(count), 1);
-  return bones.num_vertices();
+  return {bones.num_vertices(), std::move(file.vertex_in_file), bones.num_vertices() + file.loose_vertices.rows()};
 }
 
 // of each point's spring; of_hex: [N/m] stiffness of a hex
@@ -169,13 +170,13 @@ void set_stiffness(const PinDescription& description, const std::vector<double>&
 }
 
 void set_motion(const Scene& scene, const PinDescription& description, const PinnedBody& body,
-                Eigen::Index num_vertices, Pin& pin, std::vector<std::string>& warnings) {
+                const FileVertices& vertices, Pin& pin, std::vector<std::string>& warnings) {
   pin.motion.preroll = scene.clip.preroll;
   if (description.from) pin.from = *description.from;
   if (description.until) pin.until = *description.until;
   if (!description.cache.path.empty()) {
     pin.motion.mesh = std::make_shared<const MeshMotion>(
-        read_motion(description.cache, num_vertices, body.shape.world_from_file, scene.clip, warnings));
+        read_motion(description.cache, vertices, body.shape.world_from_file, scene.clip, warnings));
     return;
   }
   if (description.position) pin.motion.position = *description.position;
@@ -184,20 +185,26 @@ void set_motion(const Scene& scene, const PinDescription& description, const Pin
   pin.motion.pivot = description.pivot.value_or(middle);
 }
 
+FileVertices vertices_of(const PlacedMesh& shape) {
+  const Eigen::Index count = shape.mesh.num_vertices();
+  if (!shape.own) return {count};
+  return {count, shape.own->vertex_in_file, count + shape.own->loose_vertices.rows()};
+}
+
 Pin make_pin(const Scene& scene, const PinDescription& description, const PinnedBody& body,
              std::vector<std::string>& warnings) {
   Pin pin;
   pin.name = description.name;
   std::vector<double> weights;
-  Eigen::Index num_vertices = body.shape.mesh.num_vertices();
+  FileVertices vertices = vertices_of(body.shape);
   if (!description.inside.path.empty())
-    num_vertices = hold_bones(description.inside, body, pin, weights);
+    vertices = hold_bones(description.inside, body, pin, weights);
   else
     hold_vertices(description.map.empty() ? vertices_in_region(description, body.shape.mesh.positions)
-                                          : vertices_by_paint(description, num_vertices),
+                                          : vertices_by_paint(description, vertices.count),
                   body, pin, weights);
   set_stiffness(description, weights, body.young * cell_of(body.lattice), pin);
-  set_motion(scene, description, body, num_vertices, pin, warnings);
+  set_motion(scene, description, body, vertices, pin, warnings);
   return pin;
 }
 

@@ -64,7 +64,9 @@ void place_mesh(const ObstacleDescription& description, const ClipDescription& c
       {.unit = own->unit, .up = own->up, .height = description.height, .scale = description.scale, .position = {}});
   compute_normals(mesh);
   if (description.cache.path.empty()) return take_mesh(std::move(mesh), obstacle, setup);
-  MeshMotion motion = read_motion(description.cache, mesh.num_vertices(), placed.placed_from_own, clip, setup.notes);
+  const FileVertices vertices{mesh.num_vertices(), own->vertex_in_file,
+                              mesh.num_vertices() + own->loose_vertices.rows()};
+  MeshMotion motion = read_motion(description.cache, vertices, placed.placed_from_own, clip, setup.notes);
   animate(mesh, std::move(motion), description.thickness, obstacle, setup.notes);
   setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
 }
