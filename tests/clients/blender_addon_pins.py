@@ -82,7 +82,14 @@ key.value = 1
 key.keyframe_insert("value", frame=16)
 kneaded.umax.pins.add().target = core
 
-bodies = (led, posed, filled, kneaded)
+# one that is let go after frame 6, and one that hangs on springs
+dropped, hung = ball_at(12, "dropped"), ball_at(15, "hung")
+pin = dropped.umax.pins.add()
+pin.group, pin.is_timed, pin.first_frame, pin.last_frame = "held", True, 1, 6
+pin = hung.umax.pins.add()
+pin.group, pin.is_spring, pin.spring = "held", True, 2000
+
+bodies = (led, posed, filled, kneaded, dropped, hung)
 told["wanted"] = []
 for frame in range(1, 17):
     scene.frame_set(frame)
@@ -112,9 +119,9 @@ def along(now, start, point):
 
 def check_pinned(told):
     """what is held is where it is led; the rest lags behind"""
-    assert told["message"].startswith("16 frames of 4 bodies"), told["message"]
+    assert told["message"].startswith("16 frames of 6 bodies"), told["message"]
     first_points, (_, first_handle, first_bone) = told["points"][0], told["wanted"][0]
-    for number, ((led, posed, filled, kneaded), (own, handle, bone)) in enumerate(zip(told["points"], told["wanted"])):
+    for number, ((led, posed, filled, kneaded, _, _), (own, handle, bone)) in enumerate(zip(told["points"], told["wanted"])):
         for v in told["held"]:
             error = clients.farthest([led[v]], [along(handle, first_handle, first_points[0][v])])
             assert error < 1e-5, f"led, frame {number + 1}: {error:.2g} m away"
@@ -127,7 +134,17 @@ def check_pinned(told):
     assert turned < 0.25 and clients.farthest(filled, first_points[2]) > 0.2, turned
     height = [sum(z for _, _, z in frame[3]) / len(kneaded) for frame in (told["points"][0], told["points"][-1])]
     assert 0.15 < height[1] - height[0] < 0.35, height  # without its pin it would fall by 1.9 m
+    check_let_go([frame[4] for frame in told["points"]], [frame[5] for frame in told["points"]], told["held"])
     assert "pin 1 says neither" in told["nothing"], told["nothing"]
+
+
+def check_let_go(dropped, hung, held):
+    """the one falls from its last frame on, the other one is pulled up by springs that its weight stretches"""
+    fallen = [max(math.dist(frame[v], dropped[0][v]) for v in held) for frame in dropped]
+    assert max(fallen[:6]) < 1e-5, f"held, but {max(fallen[:6]):.2g} m away"
+    assert fallen[7] > 1e-3 and fallen[15] > 0.4, fallen  # 9.5 frames of 1/24 s: 0.77 m
+    sunk = [hung[0][held[0]][2] - frame[held[0]][2] for frame in hung]
+    assert 1e-3 < max(sunk) < 0.2, sunk
 
 
 if __name__ == "__main__":

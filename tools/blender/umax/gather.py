@@ -169,9 +169,21 @@ def pin_table(found, thing, shape, index, taken):
     else:
         bones = shapes.moved(sampler.shape, sampler.matrices[0])
         keys = {"inside": found.write(f"{name}.pin{index + 1}.ply", shapes.ply_bytes(bones))}
-    if sampler.is_rigid:
-        return f"body.{name}.pin.{index + 1}", {**keys, **samples.follow_keys(sampler, found.unit)}
-    return f"body.{name}.pin.{index + 1}", {**keys, "follow.cache": found.keep(sampler)}
+    follows = samples.follow_keys(sampler, found.unit) if sampler.is_rigid else {"follow.cache": found.keep(sampler)}
+    return f"body.{name}.pin.{index + 1}", {**keys, **follows, **hold_keys(found, thing, pin, index)}
+
+
+def hold_keys(found, thing, pin, index):
+    """when a pin holds, and how"""
+    keys = {"stiffness": number(pin.spring)} if pin.is_spring else {}
+    if not pin.is_timed:
+        return keys
+    if pin.last_frame < pin.first_frame:
+        raise GatherError(f"{thing.name}: pin {index + 1} holds until frame {pin.last_frame}, before it begins at frame "
+                          f"{pin.first_frame}: set a later one")
+    fps, half = found.scene.render.fps / found.scene.render.fps_base, 0.5
+    first, last = pin.first_frame - found.scene.frame_start, pin.last_frame - found.scene.frame_start
+    return {**keys, "from": (first - half) / fps, "until": (last + half) / fps}
 
 
 def cell_edge(found):

@@ -52,12 +52,23 @@ def draw_maps(layout, thing):
         row.prop(settings, f"{kind}_range")
 
 
+def draw_choice(layout, settings, choice, names):
+    """a choice, and what belongs to it once it is taken"""
+    row = layout.row(align=True)
+    row.prop(settings, choice)
+    if getattr(settings, choice):
+        for name in names:
+            row.prop(settings, name, text="")
+
+
 def draw_pins(layout, thing):
     for index, pin in enumerate(thing.umax.pins):
         row = layout.row(align=True)
         row.prop_search(pin, "group", thing, "vertex_groups", text="")
         row.prop(pin, "target", text="")
         row.operator("umax.remove_pin", text="", icon="X").index = index
+        draw_choice(layout, pin, "is_timed", ("first_frame", "last_frame"))
+        draw_choice(layout, pin, "is_spring", ("spring",))
     layout.operator("umax.add_pin", icon="PINNED")
 
 

@@ -32,6 +32,12 @@ class UmaxPin(bpy.types.PropertyGroup):
                                                             "what is inside of the object that is followed")
     target: PointerProperty(name="Follows", type=bpy.types.Object,
                             description="Animated object; none: the body's own animation, by its shape keys, armature, parent")
+    is_timed: BoolProperty(name="Between frames", description="It holds for some frames only, and lets go of the body then")
+    first_frame: IntProperty(name="From frame", default=1, description="The first frame in which it holds")
+    last_frame: IntProperty(name="Until frame", default=24, description="The last frame in which it holds")
+    is_spring: BoolProperty(name="Springs", description="It pulls its points, in place of holding them exactly")
+    spring: FloatProperty(name="Spring (N/m)", default=1000, min=1e-6, max=1e12, soft_min=1, soft_max=1e6, precision=1,
+                          description="What pulls each point: newtons a metre away from where it should be")
 
 
 class UmaxObject(bpy.types.PropertyGroup):
