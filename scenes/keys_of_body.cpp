@@ -208,14 +208,14 @@ void add_material_keys(Keys& keys) {
   add_factor_map_keys(keys, "material.young_map", UMAX_FIELD(young_map), "Young's modulus");
   keys.add("material.poisson", NumberKind{units::ratio, {.low = -1, .high = 0.5, .low_open = true, .high_open = true}},
            UMAX_FIELD(material.poisson), "Poisson's ratio");
-  keys.add("material.density", NumberKind{units::density, {.low = 0, .high = 1e9, .low_open = true}},
+  keys.add("material.density", TrackKind<NumberKind>{{units::density, {.low = 0, .high = 1e9, .low_open = true}}},
            UMAX_FIELD(material.density), "mass per volume");
   keys.add("material.mass", ChoiceKind<MassModel>{{{"mesh", MassModel::mesh}, {"lattice", MassModel::lattice}}},
            UMAX_FIELD(material.mass), "mesh: a hex weighs its filled fraction, at least 5 %; lattice: full hexes");
-  keys.add("material.damping_mass", NumberKind{units::rate, not_negative}, UMAX_FIELD(material.damping_mass),
-           "Rayleigh damping by mass: slows all motion");
-  keys.add("material.damping_stiffness", NumberKind{units::time, not_negative}, UMAX_FIELD(material.damping_stiffness),
-           "Rayleigh damping by stiffness: slows deformation");
+  keys.add("material.damping_mass", TrackKind<NumberKind>{{units::rate, not_negative}},
+           UMAX_FIELD(material.damping_mass), "Rayleigh damping by mass: slows all motion");
+  keys.add("material.damping_stiffness", TrackKind<NumberKind>{{units::time, not_negative}},
+           UMAX_FIELD(material.damping_stiffness), "Rayleigh damping by stiffness: slows deformation");
 }
 
 void read_fixed(const SceneValue& value, BodyDescription& body) {
@@ -257,7 +257,7 @@ SceneSection body_section() {
   auto keys = named_section(section, &Scene::bodies);
   add_shape_keys(keys);
   add_placement_keys(keys);
-  keys.add("friction", NumberKind{units::ratio, {.low = 0, .high = 1000}}, UMAX_FIELD(friction),
+  keys.add("friction", TrackKind<NumberKind>{{units::ratio, {.low = 0, .high = 1000}}}, UMAX_FIELD(friction),
            "Coulomb coefficient; of two that touch the larger one counts");
   keys.add("contact",
            ChoiceKind<ContactWith>{{{"all", ContactWith::all},

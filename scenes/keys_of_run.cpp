@@ -1,4 +1,6 @@
 // Scene keys of what runs: the clip, the solver, and the scene's own name.
+#include "core/files/sha256.h"
+#include "scenes/mesh_keys.h"
 #include "scenes/section_builder.h"
 
 namespace umax {
@@ -16,6 +18,30 @@ SceneSection top_section() {
   return section;
 }
 
+template <class Keys>
+void add_pull_keys(Keys& keys) {
+  using Text = std::optional<std::string>;
+  keys.add_custom(
+      "pulls", "path", "file of what a live session pulled bodies by (umax live)",
+      {.unset = "none", .resets = {"pulls_sha256"}},
+      [](const SceneValue& value, ClipDescription& clip) {
+        clip.pulls = ExistingFileKind().read(value);
+        clip.pulls_sha256 = sha256_of_file(clip.pulls);
+      },
+      [](const ClipDescription& clip) -> Text {
+        return clip.pulls.empty() ? std::nullopt : Text(PathKind().write(clip.pulls));
+      });
+  keys.add_custom(
+      "pulls_sha256", "text", "SHA-256 of that file; another one is refused", {.unset = "not checked"},
+      [](const SceneValue& value, ClipDescription& clip) {
+        if (clip.pulls.empty()) throw value_error(value, "does not fit here", "it belongs to pulls = \"PATH\"");
+        check_sha256(value, "pulls", clip.pulls, clip.pulls_sha256);
+      },
+      [](const ClipDescription& clip) -> Text {
+        return clip.pulls.empty() ? std::nullopt : Text(toml_string(clip.pulls_sha256));
+      });
+}
+
 SceneSection clip_section() {
   SceneSection section{.name = "clip", .meaning = "length and pace of the clip"};
   auto keys = plain_section(section, &Scene::clip);
@@ -24,7 +50,7 @@ SceneSection clip_section() {
   keys.add("fps", NumberKind{units::rate, {.low = 0, .high = 100000, .low_open = true}}, UMAX_FIELD(fps),
            "frames a second");
   keys.add("substeps", IntegerKind{.low = 1, .high = 100000}, UMAX_FIELD(substeps), "time steps a frame");
-  keys.add("gravity", VectorKind{units::acceleration, {.low = -1e6, .high = 1e6}}, UMAX_FIELD(gravity),
+  keys.add("gravity", TrackKind<VectorKind>{{units::acceleration, {.low = -1e6, .high = 1e6}}}, UMAX_FIELD(gravity),
            "acceleration of gravity");
   keys.add("allow_overlap", FlagKind(), UMAX_FIELD(allow_overlap),
            "starts although bodies are deep inside each other; they are pushed apart slowly");
@@ -37,6 +63,7 @@ SceneSection clip_section() {
       [](const ClipDescription& clip) {
         return clip.preroll > 0 ? std::optional(number_text(clip.preroll)) : std::nullopt;
       });
+  add_pull_keys(keys);
   return section;
 }
 

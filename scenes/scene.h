@@ -18,11 +18,13 @@
 namespace umax {
 
 struct ClipDescription {
-  int frames = 120;               // frame 1 is the initial state
-  double fps = 60;                // [1/s]
-  int substeps = 1;               // time steps a frame
-  Vector3d gravity{0, -9.81, 0};  // [m/s^2]
-  bool allow_overlap = false;     // bodies that are deep inside each other at the start
+  int frames = 120;                                // frame 1 is the initial state
+  double fps = 60;                                 // [1/s]
+  int substeps = 1;                                // time steps a frame
+  Track<Vector3d> gravity{Vector3d(0, -9.81, 0)};  // [m/s^2]
+  bool allow_overlap = false;                      // bodies that are deep inside each other at the start
+  std::filesystem::path pulls;                     // absolute: what a live session pulled bodies by; empty: nothing
+  std::string pulls_sha256;                        // filled when the scene is read
   double preroll = 0;  // [s] before the first frame, in which pins lead from rest to where they are at time 0
   double time_step() const { return 1.0 / (fps * substeps); }
 };
@@ -91,7 +93,7 @@ struct BodyDescription {
   std::optional<double> drop_height;   // [m] lowest point above the highest obstacle below
   Vector3d velocity{0, 0, 0};          // [m/s]
   Vector3d spin_degrees{0, 0, 0};      // [deg/s] world axes
-  double friction = 0.5;
+  Track<double> friction{0.5};
   ContactWith contact = ContactWith::all;
   CageDescription cage;
   MaterialOptions material;

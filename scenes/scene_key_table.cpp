@@ -22,7 +22,8 @@ std::string cell(std::string text) {
 }
 
 constexpr const char* keyframe_note =
-    "A type with (k) also takes keyframes: { keys = [[t_s, value], …], interpolation = \"linear\" | \"smooth\" }.";
+    "A type with (k) also takes keyframes: { keys = [[t_s, value], …], interpolation = \"linear\" | \"smooth\" | "
+    "\"hold\" }.";
 
 constexpr const char* page_introduction = R"(# Scene keys
 

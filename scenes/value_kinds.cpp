@@ -285,7 +285,8 @@ std::vector<Keyframe> read_keyframes(const SceneValue& value, Interpolation& int
   std::vector<Keyframe> keyframes;
   for (const auto& [name, entry] : *value.as<SceneValue::Table>()) {
     if (name == "interpolation") {
-      const ChoiceKind<Interpolation> kind{{{"linear", Interpolation::linear}, {"smooth", Interpolation::smooth}}};
+      const ChoiceKind<Interpolation> kind{
+          {{"linear", Interpolation::linear}, {"smooth", Interpolation::smooth}, {"hold", Interpolation::hold}}};
       interpolation = kind.read(entry);
       continue;
     }
@@ -304,6 +305,7 @@ std::vector<Keyframe> read_keyframes(const SceneValue& value, Interpolation& int
 }
 
 std::string interpolation_text(Interpolation interpolation) {
+  if (interpolation == Interpolation::hold) return "hold";
   return interpolation == Interpolation::smooth ? "smooth" : "linear";
 }
 

@@ -204,7 +204,7 @@ struct Keyframe {
   double time = 0;  // [s]
   const SceneValue* value = nullptr;
 };
-/// The keys of { keys = [[t, v], …], interpolation = "linear" | "smooth" }; throws unless times increase.
+/// The keys of { keys = [[t, v], …], interpolation = "linear" | "smooth" | "hold" }; throws unless times increase.
 std::vector<Keyframe> read_keyframes(const SceneValue& value, Interpolation& interpolation);
 std::string interpolation_text(Interpolation interpolation);
 

@@ -161,7 +161,7 @@ std::vector<ContactCandidate> vertex_candidates(const ContactStep& step, const P
 // half the speed of a fall through one cell, or a small share of the speed of sound where nothing falls: gentle at any
 // scale
 double recovery_speed(const Model::BodyRange& body, double gravity, double time) {
-  const double sound = std::sqrt(body.material.young.at(time) / body.material.density);
+  const double sound = std::sqrt(body.material.young.at(time) / body.material.density.at(time));
   return std::max(0.5 * std::sqrt(gravity * body.cell_size), 0.01 * sound);
 }
 

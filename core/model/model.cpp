@@ -43,13 +43,14 @@ void append_shapes(const Body& body, Eigen::Index first_hex, Model& model) {
 void append_masses(const Body& body, Eigen::Index first_node, Eigen::Index first_hex, Model& model) {
   const VectorXd fractions = body.material.mass == MassModel::mesh ? weighing_fractions(body.lattice)
                                                                    : VectorXd::Ones(body.lattice.num_hexes()).eval();
+  const double density = body.material.density.at(0);
   for (Eigen::Index e = 0; e < body.lattice.num_hexes(); ++e) {
     const HexShape& shape = model.shapes[model.hex_shape[first_hex + e]];
     // the nodes of a box have equal shares
     const Vector8d volumes =
         body.lattice.is_regular() ? Vector8d::Constant(shape.volume / 8).eval() : node_volumes(shape);
     for (int n = 0; n < 8; ++n)
-      model.node_mass[first_node + body.lattice.hexes(e, n)] += body.material.density * volumes[n] * fractions[e];
+      model.node_mass[first_node + body.lattice.hexes(e, n)] += density * volumes[n] * fractions[e];
   }
 }
 
@@ -90,7 +91,8 @@ void append(const Body& body, Model& model) {
   range.material = body.material;
   range.limit = body.limit;
   range.part_limits = body.part_limits;
-  range.friction = body.friction;
+  range.friction = body.friction.at(0);
+  range.friction_keys = body.friction;
   range.contact = body.contact;
   range.cell_size = smallest_edge(body.lattice);
   range.cells = body.lattice.cells;
@@ -158,10 +160,33 @@ Model make_model(std::vector<Body> bodies, const std::vector<Obstacle>& obstacle
   model.limit_starts.setZero(1);
   for (Body& body : bodies) append(std::exchange(body, {}), model);
   group_corners(model);
+  model.node_mass_t0 = model.node_mass;
   for (const Obstacle& obstacle : obstacles) validate(obstacle);
   model.obstacles = obstacles;
   model.pairs = pairs;
   return model;
+}
+
+bool has_keyed_mass_or_friction(const Model& model) {
+  return std::any_of(model.bodies.begin(), model.bodies.end(), [](const Model::BodyRange& body) {
+    return !body.material.density.is_constant() || !body.friction_keys.is_constant();
+  });
+}
+
+bool bring_to(Model& model, double time) {
+  bool changes = false;
+  for (Model::BodyRange& body : model.bodies) {
+    const double friction = body.friction_keys.at(time);
+    changes = changes || friction != body.friction;
+    body.friction = friction;
+    if (body.material.density.is_constant()) continue;
+    const double share = body.material.density.at(time) / body.material.density.at(0);
+    const VectorXd mass = model.node_mass_t0.segment(body.first_node, body.num_nodes) * share;
+    auto now = model.node_mass.segment(body.first_node, body.num_nodes);
+    changes = changes || now != mass;
+    now = mass;
+  }
+  return changes;
 }
 
 Model part_of(const Model& model, const std::vector<int>& bodies) {

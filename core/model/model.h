@@ -49,10 +49,10 @@ struct PartLimitOptions {
 struct MaterialOptions {
   Track<double> young{500e3};  // [Pa]
   double poisson = 0.3;        // [-]
-  double density = 500;        // [kg/m^3]
+  Track<double> density{500};  // [kg/m^3]
   MassModel mass = MassModel::mesh;
-  double damping_mass = 0;       // [1/s] Rayleigh alpha
-  double damping_stiffness = 0;  // [s] Rayleigh beta
+  Track<double> damping_mass{0};       // [1/s] Rayleigh alpha
+  Track<double> damping_stiffness{0};  // [s] Rayleigh beta
 };
 
 /// The limit on a part of the energy, of a body's two fields.
@@ -81,7 +81,7 @@ struct Body {
   MaterialOptions material;
   EnergyLimitOptions limit;  // on the whole energy
   PartLimitOptions part_limits;
-  double friction = 0.5;  // [-]
+  Track<double> friction{0.5};  // [-]
   ContactWith contact = ContactWith::all;
   Vector3d velocity{0, 0, 0};    // [m/s]
   Vector3d spin{0, 0, 0};        // [rad/s] about world axes through the centre of mass
@@ -108,7 +108,7 @@ struct HexLimit {
   int form = -1;                        // of U, in Model::limit_forms; -1: the whole energy that solver.energy names
 };
 
-/// All bodies in one system of nodes and hexes. Built by make_model(); read-only afterwards.
+/// All bodies in one system of nodes and hexes. Built by make_model() as it is at time 0; bring_to() alone changes it.
 struct Model {
   struct BodyRange {
     std::string name;
@@ -118,7 +118,8 @@ struct Model {
     MaterialOptions material;
     EnergyLimitOptions limit;
     PartLimitOptions part_limits;
-    double friction = 0;
+    double friction = 0;  // [-] at the time that the model is brought to, of friction_keys
+    Track<double> friction_keys;
     ContactWith contact = ContactWith::all;
     double cell_size = 0;          // [m] smallest edge of its hexes: the unit of contact tolerances
     Cells cells;                   // #E of the body x 3 grid coordinates; empty: an irregular mesh
@@ -134,7 +135,8 @@ struct Model {
 
   Points rest_positions;         // #N x 3 [m]
   Points initial_velocities;     // #N x 3 [m/s]
-  VectorXd node_mass;            // #N [kg] lumped
+  VectorXd node_mass;            // #N [kg] lumped, at the time that the model is brought to
+  VectorXd node_mass_t0;         // #N [kg] at time 0; empty: of parts of a model
   std::vector<char> node_fixed;  // #N
   Hexes hexes;                   // #E x 8
   VectorXi corners;              // 8 #E corners of hexes, 8 e + n, grouped by their node and ascending
@@ -161,6 +163,14 @@ void validate(const Obstacle& obstacle);
 /// Validates all of them. A body is given up as soon as it is in the model.
 Model make_model(std::vector<Body> bodies, const std::vector<Obstacle>& obstacles,
                  const std::vector<BodyPair>& pairs = {});
+
+/// Sets what keys decide from step to step to what it is at a time [s]: the mass of nodes (density), friction. Young's
+/// modulus, limits and damping are asked for their time by steps themselves. True: something has changed, and workspaces
+/// are to be made anew.
+bool bring_to(Model& model, double time);
+
+/// Whether bring_to() would ever change anything.
+bool has_keyed_mass_or_friction(const Model& model);
 
 /// The model of some of its bodies (ascending), whose nodes, hexes, points and limits follow each other as before.
 Model part_of(const Model& model, const std::vector<int>& bodies);

@@ -28,9 +28,12 @@ void validate_material(const MaterialOptions& m, const std::string& where) {
   for (const double young : m.young.values) require_positive(young, where + ".young", "give e.g. \"500 kPa\"");
   if (!(m.poisson > -1 && m.poisson < 0.5))
     fail(where + ".poisson", "must lie in (-1, 0.5)", m.poisson, "0.3 suits most");
-  require_positive(m.density, where + ".density", "give e.g. \"500 kg/m^3\"");
-  require_not_negative(m.damping_mass, where + ".damping_mass", "0 switches it off");
-  require_not_negative(m.damping_stiffness, where + ".damping_stiffness", "0 switches it off");
+  for (const double density : m.density.values)
+    require_positive(density, where + ".density", "give e.g. \"500 kg/m^3\"");
+  for (const double damping : m.damping_mass.values)
+    require_not_negative(damping, where + ".damping_mass", "0 switches it off");
+  for (const double damping : m.damping_stiffness.values)
+    require_not_negative(damping, where + ".damping_stiffness", "0 switches it off");
 }
 
 void validate_surface(const Body& body, const std::string& where) {
@@ -112,7 +115,8 @@ void validate(const Body& body) {
   const std::string where = "body." + body.name;
   validate_cage(body, where + ".cage");
   validate_material(body.material, where + ".material");
-  require_not_negative(body.friction, where + ".friction", "0 is frictionless");
+  for (const double friction : body.friction.values)
+    require_not_negative(friction, where + ".friction", "0 is frictionless");
   validate_limits(body, where);
   require_finite(body.velocity, where + ".velocity");
   require_finite(body.spin, where + ".spin");

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
+#include "core/base/types.h"
 #include "core/element/energy_limit.h"
 
 namespace umax {
@@ -45,10 +48,20 @@ struct IterationReport {
   int contacts = 0;
 };
 
+/// A point of a body that a spring pulls to a place during a step.
+struct Pull {
+  std::string body;                     // its name
+  int hex = 0;                          // of the body
+  Vector8d weights = Vector8d::Zero();  // of the hex's nodes
+  double stiffness = 0;                 // [N/m]
+  Vector3d place = Vector3d::Zero();    // [m]
+};
+
 struct StepOptions {
   double time_step = 1.0 / 60;    // [s]
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   SolverOptions solver{};
+  std::vector<Pull> pulls{};  // of this step; multigrids do not know them
   /// Called once an iteration when set. What it throws ends the step; its state is then as before.
   std::function<void(const IterationReport&)> on_iteration{};
 };

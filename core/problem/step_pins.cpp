@@ -14,13 +14,23 @@ double stiffness_of_hex(const Model& model, const VectorXd& young, double time_s
   return young[hex] * model.bodies[model.hex_body[hex]].cell_size + mass / (time_step * time_step);
 }
 
+void add_pulls(const Model& model, const std::vector<Pull>& pulls, std::vector<PinSpring>& springs) {
+  for (const Pull& pull : pulls)
+    for (const Model::BodyRange& body : model.bodies)
+      if (body.name == pull.body)
+        springs.push_back({body.first_hex + pull.hex, pull.weights, pull.stiffness, pull.place, false});
+  std::stable_sort(springs.begin(), springs.end(),
+                   [](const PinSpring& a, const PinSpring& b) { return a.hex < b.hex; });
+}
+
 }  // namespace
 
 Vector3d missed(const Model& model, const PinSpring& spring, const Points& positions) {
   return hex_nodes(model, positions, spring.hex).transpose() * spring.weights - spring.place;
 }
 
-StepPins pins_at(const Model& model, const VectorXd& young, double time, double time_step) {
+StepPins pins_at(const Model& model, const std::vector<Pull>& pulls, const VectorXd& young, double time,
+                 double time_step) {
   StepPins pins;
   std::vector<Points> places;
   Eigen::Index count = 0;
@@ -36,6 +46,7 @@ StepPins pins_at(const Model& model, const VectorXd& young, double time, double 
       pins.springs.push_back(spring);
     }
   }
+  if (!pulls.empty()) add_pulls(model, pulls, pins.springs);
   pins.places.resize(count, 3);
   count = 0;
   for (const Points& of_body : places) {

@@ -1,4 +1,4 @@
-// Pins within one time step: where nodes that they drive go, and springs on the others.
+// Pins and pulls within one time step: where nodes that pins drive go, and springs on the others.
 //
 // energy     1/2 k |w.x - p|^2
 // gradient   k (w.x - p) w
@@ -12,6 +12,7 @@
 
 #include "core/model/model.h"
 #include "core/model/pins.h"
+#include "core/problem/step_options.h"
 
 namespace umax {
 
@@ -22,8 +23,9 @@ struct StepPins {
   std::vector<int> starts;         // #E + 1 those of hex e: starts[e] ... starts[e + 1] - 1; empty: there are none
 };
 
-/// At a time [s], the end of a step of that size. young: #E [Pa].
-StepPins pins_at(const Model& model, const VectorXd& young, double time, double time_step);
+/// At a time [s], the end of a step of that size. pulls: of other bodies are passed over. young: #E [Pa].
+StepPins pins_at(const Model& model, const std::vector<Pull>& pulls, const VectorXd& young, double time,
+                 double time_step);
 
 /// Puts driven nodes where they go.
 void place_driven(const StepPins& pins, Points& positions);

@@ -21,17 +21,17 @@ std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate
   return rotations;
 }
 
-VectorXd mass_damping(const Model& model) {
+VectorXd mass_damping(const Model& model, double time) {
   VectorXd damping(model.num_nodes());
   for (const Model::BodyRange& body : model.bodies)
-    damping.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
+    damping.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass.at(time));
   return damping;
 }
 
-VectorXd stiffness_damping(const Model& model) {
+VectorXd stiffness_damping(const Model& model, double time) {
   VectorXd damping(model.num_hexes());
   for (const Model::BodyRange& body : model.bodies)
-    damping.segment(body.first_hex, body.num_hexes).setConstant(body.material.damping_stiffness);
+    damping.segment(body.first_hex, body.num_hexes).setConstant(body.material.damping_stiffness.at(time));
   return damping;
 }
 
@@ -63,14 +63,14 @@ Materials materials_at(const Model& model, double time) {
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
                        const ContactGeometry& geometry, const State& state) {
   const double h = options.time_step;
-  const VectorXd damping_stiffness = stiffness_damping(model);
+  const VectorXd damping_stiffness = stiffness_damping(model, state.time + h);
   const bool damped = (damping_stiffness.array() > 0).any();
   ContactStep contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
                                            state.time, h, options.gravity.norm());
   contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
   if (may_start_deep(contact, state)) contact.ways_out = find_ways_out(contact);
   Materials materials = materials_at(model, state.time + h);
-  StepPins pins = pins_at(model, materials.young, state.time + h, h);
+  StepPins pins = pins_at(model, options.pulls, materials.young, state.time + h, h);
   return {
       .model = &model,
       .options = &options,
@@ -79,7 +79,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
       .positions_t0 = state.positions,
       .velocities_t0 = state.velocities,
       .materials = std::move(materials),
-      .damping_mass = mass_damping(model),
+      .damping_mass = mass_damping(model, state.time + h),
       .damping_stiffness = damping_stiffness,
       .rotations_t0 = damped ? rotations_at(model, options.solver.rotation, state.positions) : std::vector<Matrix3d>{},
       .contact = std::move(contact),

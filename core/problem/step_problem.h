@@ -25,8 +25,8 @@ struct StepProblem {
   Points positions_t0;                 // #N x 3 [m]
   Points velocities_t0;                // #N x 3 [m/s]
   Materials materials;                 // at the end of the step
-  VectorXd damping_mass;               // #N [1/s] Rayleigh alpha
-  VectorXd damping_stiffness;          // #E [s] Rayleigh beta
+  VectorXd damping_mass;               // #N [1/s] Rayleigh alpha, at the end of the step
+  VectorXd damping_stiffness;          // #E [s] Rayleigh beta, likewise
   std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps
   ContactStep contact;
   StepPins pins;  // at the end of the step

@@ -55,7 +55,7 @@ const Model& pinned_model(const Model& model, double time, Workspace::Data& work
 }
 
 MissedPins missed_pins(const Model& model, const StepOptions& options, const Points& positions, double time) {
-  const StepPins pins = pins_at(model, materials_at(model, time).young, time, options.time_step);
+  const StepPins pins = pins_at(model, {}, materials_at(model, time).young, time, options.time_step);
   MissedPins all;
   for (const PinSpring& spring : pins.springs) {
     if (!spring.is_exact) continue;

@@ -68,7 +68,7 @@ TEST_CASE("bodies a thousand times heavier, stiffer, or eight times finer collid
   CHECK(of_equals.not_converged == 0);
   Body high = equal, below = low;
   SECTION("light on heavy") {
-    high.material.density = below.material.density / 1000;
+    high.material.density = below.material.density.at(0) / 1000;
   }
   SECTION("soft on stiff") {
     below.material.young = 5e7;

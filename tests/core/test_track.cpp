@@ -45,6 +45,15 @@ TEST_CASE("linear keys interpolate in proportion, smooth keys ease with zero slo
   }
 }
 
+TEST_CASE("keys that are held have the value of the last one until the next") {
+  Track<double> track = two_keys(Interpolation::hold);
+  CHECK(track.at(0) == 10);
+  CHECK(track.at(1) == 10);
+  CHECK(track.at(std::nextafter(3.0, 0.0)) == 10);
+  CHECK(track.at(3) == 20);
+  CHECK(track.at(99) == 20);
+}
+
 TEST_CASE("a track of vectors interpolates each component") {
   Track<Vector3d> track;
   track.times = {0, 2, 4};

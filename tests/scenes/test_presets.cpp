@@ -38,7 +38,7 @@ TEST_CASE("every built-in preset says what it is and where it comes from, and ha
     const BodyDescription plain = toy("");
     CHECK(body.material.young.at(0) != plain.material.young.at(0));
     CHECK(body.material.poisson < 0.5);
-    CHECK(body.material.damping_stiffness > 0);
+    CHECK(body.material.damping_stiffness.at(0) > 0);
     CHECK(body.limit.kind == LimitKind::hard);
     CHECK(body.limit.unit == LimitUnit::stretch);
     // the lines that `umax presets NAME` prints are the preset

@@ -200,12 +200,12 @@ ReferenceStep make_reference_step(const Model& model, const StepOptions& options
   step.alpha.resize(model.num_nodes());
   step.beta.resize(model.num_hexes());
   for (const Model::BodyRange& body : model.bodies)
-    step.alpha.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass);
+    step.alpha.segment(body.first_node, body.num_nodes).setConstant(body.material.damping_mass.at(end));
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e) {
     const Model::BodyRange& body = model.bodies[model.hex_body[e]];
     step.hexes.push_back(make_reference_hex(hex_nodes(model, model.rest_positions, e), body.material.young.at(end),
                                             body.material.poisson));
-    step.beta[e] = body.material.damping_stiffness;
+    step.beta[e] = body.material.damping_stiffness.at(end);
   }
   for (std::size_t l = 0; l < model.limits.size(); ++l) {
     const HexLimit& limit = model.limits[l];

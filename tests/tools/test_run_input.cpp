@@ -35,7 +35,7 @@ TEST_CASE("a dropped mesh sags by the same share of its height in every size") {
   for (const double height : {0.01, 0.3, 20.0}) {
     const Scene scene = scene_of_height(mesh, std::to_string(height));
     const BodyDescription& body = scene.bodies.front();
-    CHECK(body.material.density * 9.81 * height / body.material.young.at(0) == Approx(500 * 9.81 * 2 / 500e3));
+    CHECK(body.material.density.at(0) * 9.81 * height / body.material.young.at(0) == Approx(500 * 9.81 * 2 / 500e3));
     CHECK(body.limit.unit == LimitUnit::stretch);
     CHECK(body.limit.value.at(0) == Approx(0.2));
     // h / sqrt(H) is the same but for rounding, and never coarser than a frame

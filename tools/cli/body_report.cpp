@@ -88,8 +88,8 @@ BodyReport report_body(const BodyDescription& description, const BodySetup& setu
   report.lattice_volume = cell_volume * double(lattice.num_hexes());
   const VectorXd filling = weighing_fractions(lattice);
   report.mesh_mass =
-      description.material.density * (lattice.is_regular() ? cell_volume * filling.sum() : filling.dot(volumes));
-  report.lattice_mass = description.material.density * report.lattice_volume;
+      description.material.density.at(0) * (lattice.is_regular() ? cell_volume * filling.sum() : filling.dot(volumes));
+  report.lattice_mass = description.material.density.at(0) * report.lattice_volume;
   report.young = description.material.young.at(0);
   report.watertight = mesh.watertight;
   report.inside_by = setup.cage.method;

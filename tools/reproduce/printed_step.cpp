@@ -33,7 +33,7 @@ SingleHexSystem assemble(const Model& model, const StepOptions& options, const S
     weight.segment<3>(3 * n) = mass[3 * n] * options.gravity;
   }
   const Matrix24d M = mass.asDiagonal(), K = warped_hessian(shape.stiffness, young, hex);
-  const Matrix24d D = material.damping_mass * M + material.damping_stiffness * K;
+  const Matrix24d D = material.damping_mass.at(0) * M + material.damping_stiffness.at(0) * K;
   const Vector24d F = weight - warped_gradient(shape.stiffness, young, hex) - D * v0;
 
   Matrix24d A = M + h * D + h * h * K;

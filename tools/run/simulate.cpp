@@ -11,6 +11,7 @@
 #include "core/files/read_file.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/steps_csv.h"
+#include "tools/setup/stepping.h"
 #include "tools/system/signals.h"
 #include "tools/system/threads.h"
 
@@ -61,11 +62,11 @@ Start find_start(const Simulation& simulation, const RunFolder& folder, Progress
 }
 
 /// Advances by one time step and measures it.
-StepRow timed_step(const Simulation& simulation, const StepOptions& options, int frame, Workspace& workspace,
-                   State& state) {
+StepRow timed_step(Stepping& stepping, int frame, State& state) {
+  const Simulation& simulation = *stepping.simulation;
   const auto begin = std::chrono::steady_clock::now();
   StepRow row;
-  row.report = step(simulation.model, options, workspace, state);
+  row.report = advance(stepping, recorded_pulls(simulation, state), state);
   row.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   row.step = state.step;
   row.frame = frame;
@@ -98,9 +99,9 @@ std::string describe(const StepReport& report) {
 /// Thrown in the middle of a step.
 struct Interrupted {};
 
-StepOptions step_options(const Simulation& simulation, bool verbose, Progress& progress) {
-  StepOptions options = simulation.options;
-  options.on_iteration = [&progress, verbose](const IterationReport& at) {
+Stepping watched_stepping(const Simulation& simulation, bool verbose, Progress& progress) {
+  Stepping stepping = begin_stepping(simulation);
+  stepping.options.on_iteration = [&progress, verbose](const IterationReport& at) {
     if (stop_signal() != 0) throw Interrupted{};
     progress.within_frame(fmt::format("iteration {}, kkt_residual {:.1e}", at.iteration, at.kkt_residual));
     if (verbose)
@@ -110,17 +111,16 @@ StepOptions step_options(const Simulation& simulation, bool verbose, Progress& p
           at.iteration, at.max_energy_ratio, at.max_penetration, at.largest_move, at.kkt_residual, at.limits_active,
           at.contacts));
   };
-  return options;
+  return stepping;
 }
 
 /// The steps to a frame; none if a signal has come before its end.
-std::vector<StepRow> steps_to_frame(const Simulation& simulation, const StepOptions& options, bool strict, int frame,
-                                    Workspace& workspace, State& state) {
+std::vector<StepRow> steps_to_frame(Stepping& stepping, bool strict, int frame, State& state) {
   std::vector<StepRow> rows;
   try {
-    for (int i = 0; i < simulation.scene.clip.substeps; ++i) {
+    for (int i = 0; i < stepping.simulation->scene.clip.substeps; ++i) {
       if (stop_signal() != 0) return {};
-      rows.push_back(timed_step(simulation, options, frame, workspace, state));
+      rows.push_back(timed_step(stepping, frame, state));
       require_finite(state, rows.back());
       if (strict && rows.back().report.status != StepStatus::converged) refuse_unconverged(rows.back());
     }
@@ -131,16 +131,17 @@ std::vector<StepRow> steps_to_frame(const Simulation& simulation, const StepOpti
 }
 
 /// Leads the state from rest to the first frame by steps that are not shown (clip.preroll). False: a signal has come.
-bool preroll(const Simulation& simulation, const StepOptions& options, Progress& progress, State& state) {
+bool preroll(Stepping& stepping, Progress& progress, State& state) {
+  const Simulation& simulation = *stepping.simulation;
+  const StepOptions& options = stepping.options;
   const auto count = (long long)(std::ceil(simulation.scene.clip.preroll / options.time_step - 1e-9));
   if (count == 0) return true;
-  Workspace workspace(simulation.model);
   state.time = -double(count) * options.time_step;
   long long missed = 0;
   try {
     for (long long i = 0; i < count; ++i) {
       if (stop_signal() != 0) return false;
-      missed += step(simulation.model, options, workspace, state).status != StepStatus::converged;
+      missed += advance(stepping, {}, state).status != StepStatus::converged;
     }
   } catch (const Interrupted&) {
     return false;
@@ -175,10 +176,10 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
   progress.begin("simulate", options.last_frame, start.frame);
   StepsFile steps(folder.steps(), steps_header(probe_names(simulation.scene)), start.frame > 0 ? start.state.step : 0);
   State state = std::move(start.state);
-  const StepOptions stepping = step_options(simulation, options.verbose, progress);
+  Stepping stepping = watched_stepping(simulation, options.verbose, progress);
   if (start.frame == 0) {
     state = rest_state(simulation.model);
-    if (!preroll(simulation, stepping, progress, state)) {
+    if (!preroll(stepping, progress, state)) {
       result.signal = stop_signal();
       return result;
     }
@@ -187,9 +188,8 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
     progress.frame_done(1);
   }
 
-  Workspace workspace(simulation.model);
   for (int frame = result.frames + 1; frame <= options.last_frame; ++frame) {
-    const std::vector<StepRow> rows = steps_to_frame(simulation, stepping, options.strict, frame, workspace, state);
+    const std::vector<StepRow> rows = steps_to_frame(stepping, options.strict, frame, state);
     if (rows.empty()) {
       result.signal = stop_signal();
       break;

@@ -47,6 +47,15 @@ double mean_hex_volume(const Lattice& lattice) {
   return lattice.is_regular() ? lattice.cell_size.prod() : hex_volumes(lattice).mean();
 }
 
+double stretch_of_limit(const BodyDescription& body, EnergyPart part, double value, double time, double hex_volume) {
+  EnergyLimitOptions limit = limit_on(body.limit, body.part_limits, part);
+  if (limit.unit == LimitUnit::stretch) return value;
+  limit.value = value;
+  const double young = body.material.young.at(time), poisson = body.material.poisson;
+  const double density = density_of(limit, part, time, young, poisson, hex_volume);
+  return stretch_from_density(young * uniaxial_share(part, poisson), density);
+}
+
 std::vector<LimitReport> limit_reports(const BodyDescription& body, double hex_volume) {
   std::vector<LimitReport> reports;
   const double poisson = body.material.poisson;

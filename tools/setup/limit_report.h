@@ -22,6 +22,9 @@ struct LimitReport {
 /// Volume [m^3] of a hex of the cage; of hexes from a file: their mean.
 double mean_hex_volume(const Lattice& lattice);
 
+/// The uniaxial stretch [-] that a value of a body's limit, in its unit, means at a time [s].
+double stretch_of_limit(const BodyDescription& body, EnergyPart part, double value, double time, double hex_volume);
+
 /// All limits of a body that are not "none", each at time 0 and, where it or the stiffness is keyframed, at every key.
 /// hex_volume: mean_hex_volume(); factors of single hexes are not counted in.
 std::vector<LimitReport> limit_reports(const BodyDescription& body, double hex_volume);

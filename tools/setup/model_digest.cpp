@@ -25,6 +25,14 @@ void add_track(ByteWriter& out, const Track<T>& track) {
   out.put(track.interpolation);
 }
 
+/// A constant is its value alone, as it was before it could have keys.
+void add_constant_or_track(ByteWriter& out, const Track<double>& track) {
+  if (track.is_constant())
+    out.put(track.values.front());
+  else
+    add_track(out, track);
+}
+
 void add_distance(ByteWriter& out, const SampledDistance* distance) {
   out.put(std::uint8_t(distance != nullptr));
   if (distance == nullptr) return;
@@ -70,7 +78,11 @@ void add_motion(ByteWriter& out, const MeshMotion& motion) {
 void add_material(ByteWriter& out, const MaterialOptions& material) {
   const auto& [young, poisson, density, mass, damping_mass, damping_stiffness] = material;
   add_track(out, young);
-  out.put_all(poisson, density, mass, damping_mass, damping_stiffness);
+  out.put(poisson);
+  add_constant_or_track(out, density);
+  out.put(mass);
+  add_constant_or_track(out, damping_mass);
+  add_constant_or_track(out, damping_stiffness);
 }
 
 void add_limit(ByteWriter& out, const EnergyLimitOptions& limit) {
@@ -106,15 +118,18 @@ void add_pin(ByteWriter& out, const Pin& pin) {
 
 void add_body(ByteWriter& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
-               friction, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose, pins] = body;
-  static_cast<void>(cells);  // they and cell_edges follow from the nodes and hexes
+               friction, friction_keys, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose,
+               pins] = body;
+  static_cast<void>(friction);  // of friction_keys
+  static_cast<void>(cells);     // they and cell_edges follow from the nodes and hexes
   static_cast<void>(cell_edges);
   out.put_bytes(name.data(), name.size());
   out.put_all(first_node, num_nodes, first_hex, num_hexes, first_point, num_points);
   add_material(out, material);
   add_limit(out, limit);
   add_part_limits(out, part_limits);
-  out.put_all(friction, contact, cell_size);
+  add_constant_or_track(out, friction_keys);
+  out.put_all(contact, cell_size);
   add_distance(out, rest_distance.get());
   if (pins)
     for (const Pin& pin : pins->pins()) add_pin(out, pin);
@@ -143,7 +158,8 @@ void add_obstacle(ByteWriter& out, const Obstacle& obstacle) {
 }
 
 void add_options(ByteWriter& out, const StepOptions& options) {
-  const auto& [time_step, gravity, solver, on_iteration] = options;
+  const auto& [time_step, gravity, solver, pulls, on_iteration] = options;
+  static_cast<void>(pulls);         // of one step
   static_cast<void>(on_iteration);  // watches, changes nothing
   out.put(time_step);
   out.put_matrix(gravity);
@@ -155,10 +171,19 @@ void add_options(ByteWriter& out, const StepOptions& options) {
 
 }  // namespace
 
+Digest with_gravity_keys(const Digest& digest, const Track<Vector3d>& gravity) {
+  if (gravity.is_constant()) return digest;
+  Sha256 sum;
+  ByteWriter out(&sum);
+  out.put_bytes(digest.data(), digest.size());
+  add_track(out, gravity);
+  return sum.hex();
+}
+
 Digest model_digest(const Model& model, const StepOptions& options) {
-  const auto& [bodies, pairs, obstacles, rest_positions, initial_velocities, node_mass, node_fixed, hexes, corners,
-               corner_starts, shapes, hex_shape, hex_body, young_factor, limit_factor, fibre_directions, limits,
-               limit_starts, limit_forms, surface] = model;
+  const auto& [bodies, pairs, obstacles, rest_positions, initial_velocities, node_mass, node_mass_t0, node_fixed, hexes,
+               corners, corner_starts, shapes, hex_shape, hex_body, young_factor, limit_factor, fibre_directions,
+               limits, limit_starts, limit_forms, surface] = model;
   static_cast<void>(corners);  // these two from the hexes
   static_cast<void>(corner_starts);
   static_cast<void>(shapes);  // follow from the rest positions and the materials
@@ -173,7 +198,8 @@ Digest model_digest(const Model& model, const StepOptions& options) {
   for (const auto& obstacle : obstacles) add_obstacle(out, obstacle);
   out.put_matrix(rest_positions);
   out.put_matrix(initial_velocities);
-  out.put_matrix(node_mass);
+  static_cast<void>(node_mass);  // of node_mass_t0 and densities
+  out.put_matrix(node_mass_t0);
   out.put_bytes(node_fixed.data(), node_fixed.size());
   out.put_matrix(hexes);
   out.put_matrix(hex_shape);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "core/model/deformation.h"
 #include "core/model/hex_limits.h"
@@ -194,6 +195,16 @@ void warn_of_penetration(const Simulation& simulation, std::vector<std::string>&
     }
 }
 
+void read_pulls(Simulation& simulation) {
+  const std::filesystem::path& path = simulation.scene.clip.pulls;
+  if (path.empty()) return;
+  simulation.pulls = decode_pulls(read_file(path), path.string(), simulation.model);
+  if (!simulation.pulls.empty() && simulation.options.solver.linear == LinearSolver::multigrid)
+    throw Error(Fault::bad_data, {.where = "solver.linear",
+                                  .what = "is multigrid, which knows no springs, but clip.pulls holds some",
+                                  .remedy = "leave solver.linear out"});
+}
+
 void read_camera(CameraDescription& camera) {
   if (camera.file.empty()) return;
   camera.motion = std::make_shared<const MovingCamera>(read_moving_camera(camera.file, camera.name));
@@ -209,12 +220,20 @@ CageOptions cage_options(const CageDescription& cage) {
   return options;
 }
 
+Digest digest_of(const Simulation& simulation) {
+  const ClipDescription& clip = simulation.scene.clip;
+  Digest digest = with_gravity_keys(model_digest(simulation.model, simulation.options), clip.gravity);
+  if (!clip.pulls.empty()) digest = sha256_hex(digest + " with pulls " + clip.pulls_sha256);
+  if (clip.preroll > 0) digest = sha256_hex(digest + fmt::format(" after {} s", clip.preroll));
+  return digest;
+}
+
 Simulation set_up(const Scene& scene, const CageWatch& watch) {
   Simulation simulation;
   simulation.scene = scene;
   read_camera(simulation.scene.camera);
   simulation.options.time_step = scene.clip.time_step();
-  simulation.options.gravity = scene.clip.gravity;
+  simulation.options.gravity = scene.clip.gravity.at(0);
   simulation.options.solver = scene.solver;
 
   ShapeLibrary library;
@@ -257,9 +276,8 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
     simulation.bodies[i].first_hex = simulation.model.bodies[i].first_hex;
   }
   simulation.probes = embed_probes(scene, simulation.bodies);
-  simulation.digest = model_digest(simulation.model, simulation.options);
-  if (scene.clip.preroll > 0)
-    simulation.digest = sha256_hex(simulation.digest + fmt::format(" after {} s", scene.clip.preroll));
+  read_pulls(simulation);
+  simulation.digest = digest_of(simulation);
   warn_of_penetration(simulation, simulation.warnings);
   warn_of_fast_animations(simulation.model, simulation.options.time_step, simulation.warnings);
   warn_of_open_meshes(simulation.model, simulation.warnings);

@@ -15,6 +15,7 @@
 #include "scenes/scene.h"
 #include "tools/setup/body_shape.h"
 #include "tools/setup/obstacle_setup.h"
+#include "tools/setup/pull_file.h"
 #include "tools/setup/state_file.h"
 
 namespace umax {
@@ -44,7 +45,8 @@ struct Simulation {
   std::vector<BodySetup> bodies;         // in the order of the scene's
   std::vector<ObstacleSetup> obstacles;  // likewise
   Model model;
-  StepOptions options;
+  StepOptions options;                // but for what changes from step to step: tools/setup/stepping.h
+  RecordedPulls pulls;                // of the scene's file
   EmbeddedPoints probes;              // in the order of the scene's; hexes of the model
   Digest digest;                      // of what decides the states
   std::vector<std::string> warnings;  // for the user: faults of meshes and what was done, starts in penetration
@@ -62,6 +64,9 @@ using CageWatch = std::function<void(const std::vector<BodySetup>&)>;
 
 /// Throws Error (bad_data, not_found) that names the body, obstacle or probe and what is wrong.
 Simulation set_up(const Scene& scene, const CageWatch& watch = {});
+
+/// Simulation::digest of a simulation whose scene and model have been changed alike.
+Digest digest_of(const Simulation& simulation);
 
 /// Current positions of the probes, one after the other [m].
 std::vector<Vector3d> probe_positions(const Simulation& simulation, const Points& nodes);
