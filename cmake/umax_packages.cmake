@@ -31,6 +31,9 @@ target_compile_definitions(umax_embree INTERFACE UMAX_EMBREE_VERSION=${EMBREE_VE
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
 find_package(OpenVDB REQUIRED)
 
+# Boost.Beast: headers alone
+find_path(BEAST_INCLUDE_DIR boost/beast/websocket.hpp REQUIRED)
+
 # Draco: by its name, as the configs of its versions call their targets differently
 find_library(DRACO_LIBRARY draco REQUIRED)
 find_path(DRACO_INCLUDE_DIR draco/compression/decode.h REQUIRED)

@@ -76,6 +76,7 @@ run() { # LINE
   eval "words=($line)"
   case "${words[1]}" in
     presets | scenes | help) ;;
+    live) words+=(--no-browser) ;;
     *) words+=(--quiet) ;;
   esac
   case "${words[1]}" in
@@ -94,6 +95,12 @@ run() { # LINE
     reproduce) words+=(corrections --quick) ;;  # the one experiment that takes no time
   esac
   echo "-- ${words[*]}"
+  if [ "${words[1]}" = live ]; then  # until it is told to end
+    local code=0
+    timeout --preserve-status -s INT 6 "$program" "${words[@]:1}" </dev/null || code=$?
+    [ "$code" = 130 ] || { echo "FAILED with $code: $line"; exit 1; }
+    return
+  fi
   "$program" "${words[@]:1}" </dev/null || { echo "FAILED with $?: $line"; exit 1; }
 }
 

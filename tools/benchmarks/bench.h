@@ -34,6 +34,7 @@ std::vector<Benchmark> program_benchmarks();      // bench_program.cpp: the buil
 std::vector<Benchmark> penetration_benchmarks();  // bench_penetration.cpp
 std::vector<Benchmark> export_benchmarks();       // bench_export.cpp
 std::vector<Benchmark> import_benchmarks();       // bench_import.cpp: meshes read by the helper program
+std::vector<Benchmark> live_benchmarks();         // bench_live.cpp: with a client
 std::vector<Benchmark> picture_benchmarks();      // bench_pictures.cpp
 
 /// The file in UMAX_MODELS.

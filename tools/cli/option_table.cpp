@@ -31,7 +31,8 @@ Table run_table() {
        .short_name = "-o",
        .value = "DIR",
        .description = "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; "
-                      "tune, fit: ./NAME-tune, ./NAME-fit); strip, inspect --map, --picture: the picture (./strip.png, "
+                      "tune, fit, live: ./NAME-tune, ./NAME-fit, ./NAME-live); strip, inspect --map, --picture: the "
+                      "picture (./strip.png, "
                       "./NAME-limit-map.png, ./NAME-overlaps.png)",
        .target = &Options::output,
        .is_path = true},
@@ -45,7 +46,8 @@ Table run_table() {
        .target = &Options::frames},
       {.name = "--resume", .description = "go on with the folder's run where it stopped", .target = &Options::resume},
       {.name = "--overwrite",
-       .description = "replace the run that the folder holds; strip, inspect --map, --picture: the picture",
+       .description = "replace the run that the folder holds (live: saved sessions stay); strip, inspect --map, "
+                      "--picture: the picture",
        .target = &Options::overwrite},
       {.name = "--strict",
        .description = "end with exit code 75 when a step does not converge",
@@ -178,6 +180,20 @@ Table tune_table() {
           {.name = "--final", .description = "the scene as it is, not a preview of it", .target = &Options::final}};
 }
 
+Table live_table() {
+  return {{.name = "--port",
+           .value = "N",
+           .description = "live: the port on 127.0.0.1, for tunnels (default: one that is free)",
+           .target = &Options::port,
+           .range = OptionRange{1, 65535}},
+          {.name = "--no-browser", .description = "live: open none", .target = &Options::no_browser},
+          {.name = "--keep",
+           .value = "FRAMES",
+           .description = "live: the last states that stay on the disk (default: 3600)",
+           .target = &Options::keep,
+           .range = OptionRange{2, 1e7}}};
+}
+
 Table fit_table() {
   return {{.name = "--test",
            .value = "KIND",
@@ -240,7 +256,7 @@ const std::vector<OptionDefinition>& option_table() {
   static const Table all = [] {
     Table joined;
     for (const Table& part : {run_table(), picture_table(), mesh_table(), export_table(), look_table(), tune_table(),
-                              fit_table(), general_table()})
+                              live_table(), fit_table(), general_table()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
   }();

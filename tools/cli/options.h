@@ -51,6 +51,9 @@ struct Options {
   std::vector<std::string> variations;  // tune: --vary key=a,b,c
   bool final = false, presets = false;  // tune: not only a preview; every preset
 
+  std::optional<int> port, keep;  // live: where it listens; frames that stay on the disk
+  bool no_browser = false;        // live
+
   std::optional<std::string> test;    // fit: "uniaxial" | "compression" | "shear"
   std::optional<std::string> length;  // fit: "50 mm", of the specimen
   std::optional<std::string> area;    // fit: "25 mm^2"

@@ -1,0 +1,294 @@
+#!/usr/bin/python3
+"""Looks at the page of umax live as a user does, in a real browser with software GL: it opens, moves, a slider changes the
+limit and the readout obeys, pulling lifts the body, going back and on works, what is saved gives the same bytes, a second
+browser watches, reloading reconnects, and nothing comes from elsewhere.
+
+usage: live_page.py PROGRAM [SCREENSHOTS]    needs the packages of tools/packages.test
+"""
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+SCENE = """[clip]
+frames = 60
+[body.ball]
+shape = "sphere"
+radius = 0.4
+position = [0, 0.9, 0]
+cage.cells = 60
+material.young = "60 kPa"
+material.damping_stiffness = 0.002
+limit.stretch = "30 %"
+look.color = "#c05030"
+[obstacle.ground]
+shape = "plane"
+friction = 0.5
+"""
+SLIDER = "input[data-key='body.ball.limit.stretch']"
+
+
+def until(what, check, seconds=20):
+    """The first true value of check()."""
+    end = time.time() + seconds
+    while time.time() < end:
+        found = check()
+        if found:
+            return found
+        time.sleep(0.05)
+    raise AssertionError("waited in vain: " + what)
+
+
+def check(what, is_so):
+    if not is_so:
+        raise AssertionError(what)
+    print("ok:", what, flush=True)
+
+
+def open_browser():
+    options = Options()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--window-size=1280,800", "--force-device-scale-factor=1"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+class Live:
+    """The program, and what it says."""
+
+    def __init__(self, program, scene, folder, *options):
+        self.said = open(folder / "said.txt", "w+")
+        self.process = subprocess.Popen([program, "live", str(scene), "-o", str(folder / "live"), "--no-browser", *options],
+                                        stdout=self.said, stderr=subprocess.STDOUT, cwd=folder)
+
+    def text(self):
+        return Path(self.said.name).read_text()
+
+    def address(self):
+        """The newest one."""
+        return until("an address", lambda: [word for word in self.text().split() if "?token=" in word])[-1]
+
+
+class Page:
+    def __init__(self, address):
+        self.browser = open_browser()
+        self.browser.get(address)
+        until("a first picture", lambda: self.run("return window.umaxLive && umaxLive.frame !== null && umaxLive.hello !== null"), 40)
+
+    def run(self, script, *arguments):
+        return self.browser.execute_script(script, *arguments)
+
+    def frame(self, name):
+        return self.run("return umaxLive.frame[arguments[0]]", name)
+
+    def height(self):
+        """Of the surface's lowest vertex [m]."""
+        return self.run("""
+          const body = umaxLive.bodies[0], at = [0, 0, 0];
+          let lowest = Infinity;
+          for (let v = 0; v < body.vertexHex.length; ++v) body.place(v, at, 0), lowest = Math.min(lowest, at[1]);
+          return lowest;""")
+
+    def click(self, name):
+        self.browser.find_element(By.ID, name).click()
+
+    def text(self, name):
+        return self.browser.find_element(By.ID, name).text
+
+    def is_playing(self):
+        return self.run("return umaxLive.plays")
+
+    def slide(self, selector, share):
+        """Moves a slider to a share of its length, as a finger would."""
+        self.run("const range = document.querySelector(arguments[0]); range.value = 1000 * arguments[1];"
+                 "range.dispatchEvent(new Event('input', {bubbles: true}));", selector, share)
+
+    def middle(self):
+        """Where the body's middle is in the picture, from the canvas's middle [px]."""
+        return self.run("""
+          const body = umaxLive.frame.bodies[0], at = new THREE.Vector3(...body.low).add(new THREE.Vector3(...body.extent).multiplyScalar(0.5));
+          at.project(camera);
+          const canvas = document.getElementById('view');
+          return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];""")
+
+    def pixel(self, x, y):
+        """A pixel of what is drawn, from the canvas's middle."""
+        return self.run("""
+          renderer.render(scene, camera);
+          const gl = renderer.context || renderer.getContext(), pixel = new Uint8Array(4);
+          gl.readPixels(gl.drawingBufferWidth / 2 + arguments[0], gl.drawingBufferHeight / 2 - arguments[1], 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+          return Array.from(pixel);""", x, y)
+
+    def picture(self, folder, name):
+        if folder:
+            self.browser.save_screenshot(str(Path(folder) / name))
+
+    def errors(self):
+        return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def test_opening(page):
+    check("the page tells the scene", page.text("name") == "ball" and "hexes" in page.text("size"))
+    check("the cookie is out of reach of scripts", page.run("return document.cookie") == "")
+    hosts = page.run("return performance.getEntriesByType('resource').map(entry => new URL(entry.name).host)")
+    check("nothing comes from elsewhere", set(hosts) == {page.run("return location.host")})
+    red, green, blue, _ = page.pixel(*page.middle())
+    check("the body is drawn in its colour", red > 1.4 * blue and red > 60)
+    check("nothing stands where nothing is", max(page.pixel(-400, -300)[:3]) < 60)
+
+
+def test_motion(page):
+    before = page.height()
+    page.click("step")
+    until("one step", lambda: page.frame("step") == 1)
+    page.click("play")
+    until("the fall", lambda: page.height() < before - 0.2)
+    until("lying on the ground", lambda: page.frame("time") > 2.5 and page.frame("contacts") > 0 and abs(page.height()) < 0.01)
+    until("the word for it", lambda: page.text("status") == "converged")
+    check("it falls, and the ground holds it", True)
+
+
+def test_slider(page):
+    page.slide(SLIDER, 0)
+    until("the goal", lambda: page.run("return umaxLive.sliders[0].goal") == 0.005)
+    until("a ghost of where the limit is", lambda: "falling" in page.browser.find_element(By.CSS_SELECTOR, ".key .now").text)
+    values = []
+    until("the limit at its goal", lambda: values.append(page.run("return umaxLive.sliders[0].value")) or values[-1] == 0.005)
+    check("the limit falls gradually", len([value for value in values if 0.005 < value < 0.3]) >= 2 and values == sorted(values, reverse=True))
+    box = page.browser.find_element(By.CSS_SELECTOR, "input[type=text][aria-label='body.ball.limit.stretch']")
+    check("the readout obeys", float(box.get_attribute("value")) == 0.5)
+    until("hexes at their limit", lambda: page.frame("limits") > 0)
+    ratios = [page.frame("ratio") for _ in range(20)]
+    check("no hex exceeds it by more than 0.1 %", max(ratios) <= 1.001)
+    box.send_keys(Keys.CONTROL, "a")
+    box.send_keys("35 %", Keys.ENTER)
+    until("what was typed", lambda: page.run("return umaxLive.sliders[0].value") == 0.35)
+    page.run("document.activeElement.blur()")
+
+
+def test_pull(page, pictures):
+    resting = page.height()
+    x, y = page.middle()
+    canvas = page.browser.find_element(By.ID, "view")
+    chain = ActionChains(page.browser)
+    chain.move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold()
+    for _ in range(6):
+        chain.move_by_offset(0, -40).pause(0.1)
+    chain.perform()
+    until("the body in the air", lambda: page.height() > resting + 0.15)
+    page.picture(pictures, "live-pull.png")
+    ActionChains(page.browser).release().perform()
+    until("letting go", lambda: not page.frame("flags") & 4)
+    until("the body back", lambda: page.height() < resting + 0.05)
+    check("a pull lifts the body, and letting go drops it", True)
+
+
+def test_looks(page, pictures):
+    for value, name in ((1, "energy"), (2, "stretch"), (3, "multiplier")):
+        page.run("document.querySelector('input[name=heat][value=\"%d\"]').click()" % value)
+        time.sleep(0.4)
+        check(f"{name} has a legend", page.run("return !document.getElementById('legend').hidden"))
+        page.picture(pictures, f"live-{name}.png")
+    page.run("document.getElementById('cage').click(); document.getElementById('touch').click()")
+    time.sleep(0.4)
+    page.picture(pictures, "live-cage.png")
+    page.run("document.querySelector('input[name=heat][value=\"0\"]').click(); document.getElementById('cage').click()")
+
+
+def test_past(page):
+    page.click("play")
+    until("a pause", lambda: not page.is_playing())
+    last = page.frame("frame")
+    page.run("const range = document.getElementById('scrub'); range.value = 10; range.dispatchEvent(new Event('input'))")
+    until("the past", lambda: page.frame("frame") == 10)
+    until("words on it", lambda: page.text("status") == "looking back")
+    page.click("goon")
+    until("another present", lambda: page.is_playing() and 10 < page.frame("frame") < last)
+    until("a second of it", lambda: page.frame("time") > 1.2)
+    check("it goes on from there", True)
+
+
+def test_people(page, live):
+    second = Page(live.address())
+    try:
+        check("the second browser watches", not second.run("return umaxLive.steers") and page.run("return umaxLive.steers"))
+        check("and cannot press play", second.run("return document.getElementById('play').disabled"))
+        now = second.frame("time")
+        until("the same motion", lambda: second.frame("time") > now)
+        second.click("steer")
+        until("the wheel handed over", lambda: second.run("return umaxLive.steers") and not page.run("return umaxLive.steers"))
+    finally:
+        second.browser.quit()
+    until("the wheel back", lambda: page.run("return umaxLive.steers"))
+    page.browser.refresh()
+    until("pictures after reloading", lambda: page.run("return window.umaxLive && umaxLive.frame !== null && umaxLive.hello !== null"))
+    now = page.frame("time")
+    until("motion after reloading", lambda: page.frame("time") > now)
+    check("reloading reconnects", True)
+
+
+def test_saving(page, program, folder):
+    if page.is_playing():
+        page.click("play")
+        until("a pause", lambda: not page.is_playing())
+    frames = page.frame("frame")
+    page.click("save")
+    until("the scene saved", lambda: "session-01.toml" in page.text("toast"))
+    page.click("render")
+    until("the session as a run", lambda: "umax render" in page.text("toast"))
+    page.click("lines")
+    until("lines of the scene", lambda: "body.ball.limit.stretch = 0.35" in page.text("toast"))
+    again = folder / "again"
+    subprocess.run([program, "simulate", str(folder / "live/session-01.toml"), "-o", str(again), "--quiet"], check=True)
+    states = sorted((again / "states").iterdir())
+    run = folder / "live/session-02/states"
+    check(f"all {frames} frames are there", len(states) == frames == len(list(run.iterdir())))
+    check("what was saved gives the same bytes", all(state.read_bytes() == (run / state.name).read_bytes() for state in states))
+    subprocess.run([program, "render", str(run.parent), "--frames", "5", "--size", "64x36", "--samples", "1", "--quiet"], check=True)
+    check("the session is rendered", (run.parent / "frames/0005.png").exists())
+
+
+def main(program, pictures=None):
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "ball.toml").write_text(SCENE)
+        live = Live(program, folder / "ball.toml", folder)
+        page = None
+        try:
+            page = Page(live.address())
+            test_opening(page)
+            test_motion(page)
+            test_slider(page)
+            test_looks(page, pictures)
+            test_pull(page, pictures)
+            test_past(page)
+            test_people(page, live)
+            test_saving(page, program, folder)
+            check(f"no error in the browser {page.errors()}", not page.errors())
+        except BaseException:
+            print(live.text(), page and page.errors(), file=sys.stderr)
+            if page:
+                page.picture(os.environ.get("UMAX_KEEP_PICTURES"), "failed.png")
+            raise
+        finally:
+            if page:
+                page.browser.quit()
+            live.process.send_signal(signal.SIGINT)
+            code = live.process.wait(timeout=20)
+        check(f"Ctrl-C ends it with 130, not {code}, and keeps the session", code == 130 and "session-03.toml" in live.text())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

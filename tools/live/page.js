@@ -1,0 +1,411 @@
+// The page of umax live: draws what the server sends, and tells it what is wished.
+'use strict';
+
+const $ = id => document.getElementById(id);
+const headerSize = 108, plotSeconds = 8, mostSamples = 4000;
+const statusNames = ['converged', 'iteration limit', 'infeasible'], statusClasses = ['good', 'warn', 'bad'];
+
+const live = {socket: null, hello: null, bodies: [], obstacles: [], sliders: [], samples: [], frame: null, isNew: false, steers: false, plays: false, pull: null, retry: 500};
+window.umaxLive = live;  // for tests of this page
+
+// ---- the picture
+
+const renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true});
+renderer.setClearColor(0x1b1c1f);
+renderer.gammaOutput = true;
+renderer.gammaFactor = 2.2;
+renderer.shadowMap.enabled = true;
+renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+const scene = new THREE.Scene();
+scene.fog = new THREE.Fog(0x1b1c1f, 9, 30);
+const camera = new THREE.PerspectiveCamera(35, 1, 0.01, 200);
+camera.position.set(2.4, 1.7, 5.2);
+const controls = new THREE.OrbitControls(camera, $('view'));
+controls.enableDamping = true;
+controls.dampingFactor = 0.12;
+controls.target.set(0, 1, 0);
+const sun = new THREE.DirectionalLight(0xfff1e0, 0.95);
+sun.castShadow = true;
+sun.shadow.mapSize.set(2048, 2048);
+sun.shadow.bias = -0.0006;
+sun.shadow.radius = 3;
+scene.add(sun, sun.target, new THREE.HemisphereLight(0xc9d6ea, 0x3a352f, 0.42));
+const rim = new THREE.DirectionalLight(0x9fc0ff, 0.3);
+rim.position.set(-3, 2, -4);
+scene.add(rim);
+const ramp = heatRamp();
+paintRamp($('ramp'));
+const touchPoints = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({color: 0x5ad1ff, size: 7, sizeAttenuation: false, depthTest: false, transparent: true}));
+touchPoints.frustumCulled = false;
+const spring = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({color: 0xffb04a, depthTest: false, transparent: true}));
+spring.frustumCulled = false;
+const hand = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14), new THREE.MeshBasicMaterial({color: 0xffb04a, depthTest: false, transparent: true, opacity: 0.9}));
+scene.add(touchPoints, spring, hand);
+spring.visible = hand.visible = touchPoints.visible = false;
+
+async function fetchBytes(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error(path + ': ' + answer.status);
+  return answer.arrayBuffer();
+}
+
+function matrixOf(turn, place) {
+  return new THREE.Matrix4().set(turn[0], turn[1], turn[2], place[0], turn[3], turn[4], turn[5], place[1], turn[6], turn[7], turn[8], place[2], 0, 0, 0, 1);
+}
+
+function groundOf(about) {
+  const mesh = new THREE.Mesh(new THREE.CircleBufferGeometry(60, 64), new THREE.MeshStandardMaterial({color: new THREE.Color().setRGB(0.07, 0.072, 0.078), roughness: 0.95}));
+  const group = new THREE.Group(), grid = new THREE.GridHelper(24, 48, 0x8a8e96, 0x6b6f77);
+  mesh.rotation.x = -Math.PI / 2;
+  mesh.receiveShadow = true;
+  grid.position.y = 0.002;
+  grid.material.transparent = true, grid.material.opacity = 0.22;
+  group.add(mesh, grid);
+  return group;
+}
+
+async function meshOf(about, i) {
+  const bytes = await fetchBytes('/obstacle/' + i), [, numVertices, numTriangles] = new Uint32Array(bytes, 0, 3);
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(bytes, 12, 3 * numVertices), 3));
+  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes, 12 + 12 * numVertices, 3 * numTriangles), 1));
+  const mesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({color: new THREE.Color().setRGB(...about.color), roughness: 0.7, flatShading: true, side: THREE.DoubleSide}));
+  mesh.castShadow = mesh.receiveShadow = true;
+  return mesh;
+}
+
+async function build(hello) {
+  for (const thing of [...live.bodies.map(body => body.group), ...live.obstacles]) scene.remove(thing);
+  const bodies = [], obstacles = [];
+  for (let i = 0; i < hello.bodies.length; ++i) bodies.push(new Body(await fetchBytes('/body/' + i), hello.bodies[i], ramp));
+  for (let i = 0; i < hello.obstacles.length; ++i) {
+    const about = hello.obstacles[i], thing = about.plane ? groundOf(about) : await meshOf(about, i);
+    thing.matrixAutoUpdate = false;
+    thing.matrix.copy(matrixOf(about.turn, about.place));
+    thing.visible = about.visible && !about.deforms;
+    obstacles.push(thing);
+  }
+  live.bodies = bodies, live.obstacles = obstacles;
+  for (const thing of [...bodies.map(body => body.group), ...obstacles]) scene.add(thing);
+  const animated = hello.obstacles.filter(about => about.deforms).map(about => about.name);
+  if (animated.length) toast('not drawn here, since they are animated by other programs: ' + animated.join(', '), false);
+  showLooks();
+}
+
+// The boxes of bodies in a picture's bytes; everything that a picture holds.
+function decode(bytes) {
+  const view = new DataView(bytes), f = at => view.getFloat32(at, true), u = at => view.getUint32(at, true), h = at => view.getUint16(at, true);
+  const frame = {
+    status: view.getUint8(1), flags: view.getUint8(2), number: u(4), frame: u(8), step: u(12), firstKept: u(16), lastKept: u(20), missed: u(24),
+    time: f(28), rate: f(32), stepMs: f(36), ratio: f(40), kinetic: f(44), elastic: f(48), potential: f(52), penetration: f(56), residual: f(60),
+    limits: h(64), contacts: h(66), iterations: h(68), retries: h(70), largestStretch: f(72), largestMultiplier: f(76),
+    goal: [f(80), f(84), f(88)], held: [f(92), f(96), f(100)], bodies: [], points: null, moving: []};
+  let at = headerSize;
+  for (const body of live.bodies) {
+    const low = [f(at), f(at + 4), f(at + 8)], extent = [f(at + 12), f(at + 16), f(at + 20)];
+    const places = new Uint16Array(bytes, at + 24, 3 * body.numNodes), nodes = new Float32Array(3 * body.numNodes);
+    for (let i = 0; i < nodes.length; ++i) nodes[i] = low[i % 3] + extent[i % 3] * places[i] / 65535;
+    frame.bodies.push({low, extent, nodes, heat: []});
+    at += 24 + pad(6 * body.numNodes);
+  }
+  const numHexes = live.bodies.reduce((sum, body) => sum + body.numHexes, 0), parts = frame.flags & 16 ? 3 : 2;
+  for (let part = 0; part < parts; ++part)
+    for (let b = 0, from = at + part * numHexes; b < live.bodies.length; from += live.bodies[b++].numHexes)
+      frame.bodies[b].heat.push(new Uint8Array(bytes, from, live.bodies[b].numHexes));
+  at += pad(parts * numHexes);
+  frame.points = decodePoints(bytes, at, h(104), frame.bodies);
+  at += pad(6 * h(104));
+  for (let i = 0; i < h(106); ++i, at += 52) {
+    const numbers = Array.from({length: 12}, (unused, k) => f(at + 4 + 4 * k));
+    frame.moving.push({obstacle: u(at), matrix: matrixOf(numbers.slice(0, 9), numbers.slice(9))});
+  }
+  return frame;
+}
+
+const pad = size => (size + 3) & ~3;
+
+function decodePoints(bytes, at, count, bodies) {
+  const low = [0, 1, 2].map(k => Math.min(...bodies.map(body => body.low[k])));
+  const high = [0, 1, 2].map(k => Math.max(...bodies.map(body => body.low[k] + body.extent[k])));
+  const places = new Uint16Array(bytes, at, 3 * count);
+  return Float32Array.from(places, (value, i) => low[i % 3] + (high[i % 3] - low[i % 3]) * value / 65535);
+}
+
+function showPicture(frame) {
+  frame.bodies.forEach((part, b) => live.bodies[b].move(part.nodes, part.heat));
+  touchPoints.geometry.dispose();
+  touchPoints.geometry = new THREE.BufferGeometry();
+  touchPoints.geometry.setAttribute('position', new THREE.BufferAttribute(frame.points, 3));
+  touchPoints.visible = $('touch').checked && frame.points.length > 0;
+  for (const {obstacle, matrix} of frame.moving) live.obstacles[obstacle].matrix.copy(matrix), live.obstacles[obstacle].matrixWorldNeedsUpdate = true;
+  const grabbed = (frame.flags & 4) !== 0;
+  spring.visible = hand.visible = grabbed;
+  if (grabbed) {
+    const goal = live.pull ? live.pull.point : new THREE.Vector3(...frame.goal);
+    spring.geometry.setFromPoints([new THREE.Vector3(...frame.held), goal]);
+    hand.position.copy(goal);
+    hand.scale.setScalar(0.006 * camera.position.distanceTo(goal));
+  }
+}
+
+// Looks at the first picture so that body and ground are seen.
+function frameView(frame) {
+  const low = new THREE.Vector3(Infinity, Infinity, Infinity), high = low.clone().negate();
+  for (const body of frame.bodies) {
+    const a = new THREE.Vector3(...body.low);
+    low.min(a), high.max(a.clone().add(new THREE.Vector3(...body.extent)));
+  }
+  const size = high.distanceTo(low), middle = low.clone().add(high).multiplyScalar(0.5);
+  const floor = live.hello.obstacles.filter(about => about.plane && about.visible).map(about => about.place[1]).filter(y => y <= low.y + 1e-3);
+  const bottom = floor.length ? Math.max(Math.max(...floor), low.y - 2 * size) : low.y;
+  middle.y = (bottom + high.y) / 2;
+  const reach = Math.max(size, high.y - bottom) * 1.35;
+  controls.target.copy(middle);
+  camera.position.copy(middle).add(new THREE.Vector3(0.42, 0.2, 0.9).normalize().multiplyScalar(reach / Math.tan(0.5 * camera.fov * Math.PI / 180) * 0.62));
+  camera.near = reach / 200, camera.far = reach * 60;
+  camera.updateProjectionMatrix();
+  scene.fog.near = reach * 2.2, scene.fog.far = reach * 7;
+  sun.position.copy(middle).add(new THREE.Vector3(0.5, 1, 0.45).normalize().multiplyScalar(3 * reach));
+  sun.target.position.copy(middle);
+  Object.assign(sun.shadow.camera, {left: -1.5 * reach, right: 1.5 * reach, top: 1.5 * reach, bottom: -1.5 * reach, near: 0.1 * reach, far: 7 * reach});
+  sun.shadow.camera.updateProjectionMatrix();
+  controls.update();
+}
+
+// ---- what is said beside it
+
+const plots = [
+  new Plot($('plot_ratio'), [{color: '#e59b3a', of: s => s.ratio}], 1.15, 1),
+  new Plot($('plot_energy'), [{color: '#6aa5e3', of: s => s.kinetic}, {color: '#e59b3a', of: s => s.elastic}], 1e-6),
+  new Plot($('plot_count'), [{color: '#6aa5e3', of: s => s.contacts}, {color: '#e59b3a', of: s => s.limits}], 10)];
+
+function keepSample(frame) {
+  if (frame.flags & 2) return;
+  while (live.samples.length && live.samples[live.samples.length - 1].time >= frame.time) live.samples.pop();
+  live.samples.push({time: frame.time, ratio: frame.ratio, kinetic: frame.kinetic, elastic: frame.elastic, limits: frame.limits, contacts: frame.contacts});
+  if (live.samples.length > mostSamples) live.samples.splice(0, mostSamples / 4);
+}
+
+function tell(frame) {
+  const past = (frame.flags & 2) !== 0;
+  live.plays = (frame.flags & 1) !== 0;
+  $('status').textContent = past ? 'looking back' : statusNames[frame.status];
+  $('status').className = 'chip ' + (past ? '' : statusClasses[frame.status]);
+  $('ratio').textContent = frame.ratio > 0 ? 'U/Umax ' + frame.ratio.toFixed(4) : '';
+  $('ratio').className = 'chip' + (frame.ratio > 1 + live.hello.tolerance ? ' bad' : '');
+  $('missed').textContent = frame.missed ? frame.missed + ' steps not converged' : '';
+  $('missed').className = 'chip warn';
+  $('pace').textContent = !live.plays ? (past ? '' : 'paused')
+    : frame.flags & 8 ? 'slowed to ' + frame.rate.toFixed(2) + ' × real time: steps take ' + frame.stepMs.toFixed(0) + ' ms'
+      : frame.rate.toFixed(2) + ' × real time, steps ' + frame.stepMs.toFixed(1) + ' ms';
+  $('pace').className = 'chip' + (frame.flags & 8 ? ' warn' : '');
+  $('play').innerHTML = live.plays ? '&#10074;&#10074; Pause' : '&#9654; Play';
+  $('clock').textContent = frame.time.toFixed(3) + ' s · ' + frame.frame;
+  $('goon').hidden = !past || !live.steers;
+  $('scrub').min = frame.firstKept, $('scrub').max = Math.max(frame.lastKept, frame.firstKept + 1);
+  if (document.activeElement !== $('scrub') || live.plays) $('scrub').value = frame.frame;
+  $('now_ratio').textContent = frame.ratio.toFixed(3);
+  $('now_count').textContent = frame.limits + ' · ' + frame.contacts;
+  tellLegend(frame);
+}
+
+function tellLegend(frame) {
+  const part = Number(document.querySelector('input[name=heat]:checked').value);
+  $('legend').hidden = part === 0;
+  $('title').textContent = ['', 'U / Umax', 'stretch [%]', 'λ / Umax'][part];
+  $('high').textContent = part === 1 ? '1' : shownNumber(part === 2 ? frame.largestStretch : frame.largestMultiplier);
+}
+
+function showLooks() {
+  const part = Number(document.querySelector('input[name=heat]:checked').value);
+  for (const body of live.bodies) {
+    body.uniforms.heatPart.value = part;
+    body.uniforms.showHeld.value = $('held').checked ? 1 : 0;
+    body.cage.visible = $('cage').checked;
+  }
+  if (live.frame) tellLegend(live.frame);
+}
+
+let toastTimer = 0;
+function toast(text, isError) {
+  $('toast').textContent = text;
+  $('toast').className = isError ? 'error' : '';
+  $('toast').hidden = false;
+  clearTimeout(toastTimer);
+  toastTimer = setTimeout(() => { $('toast').hidden = true; }, isError ? 6000 : 12000);
+}
+
+async function copy(text) {
+  if (!text) return toast('nothing has been changed', false);
+  try {
+    await navigator.clipboard.writeText(text);
+    toast('copied:\n' + text, false);
+  } catch (error) {
+    toast(text, false);
+  }
+}
+
+function takeRole(role) {
+  live.steers = role.steers;
+  const others = role.watchers - 1;
+  $('role').textContent = (role.steers ? 'you steer' : 'another browser steers') + (others > 0 ? ', ' + others + (others === 1 ? ' other watches' : ' others watch') : '');
+  $('steer').hidden = role.steers;
+  for (const id of ['restart', 'play', 'step', 'slower', 'scrub', 'save', 'render']) $(id).disabled = !role.steers;
+  for (const slider of live.sliders) slider.enable(role.steers);
+}
+
+// ---- the connection
+
+function wish(name, more) {
+  if (live.socket && live.socket.readyState === 1) live.socket.send(JSON.stringify({wish: name, ...more}));
+}
+
+const answers = {
+  hello: async hello => {
+    live.hello = null, live.frame = null;
+    $('name').textContent = hello.name;
+    $('size').textContent = hello.bodies.map(body => body.hexes.toLocaleString('en') + ' hexes, ' + body.vertices.toLocaleString('en') + ' vertices').slice(0, 1) + (hello.bodies.length > 1 ? ' and ' + (hello.bodies.length - 1) + ' more bodies' : '');
+    document.title = hello.name + ' · umax live';
+    await build(hello);
+    live.sliders = makeSliders(hello, $('keys'), (key, value) => wish('set', {key, value}));
+    if (live.role) live.sliders.forEach(slider => slider.enable(live.role.steers));
+    live.hello = hello;
+    if (live.waiting) take(live.waiting);
+  },
+  values: told => live.sliders.forEach((slider, i) => slider.show(told.values[i], told.goals[i])),
+  role: role => { live.role = role; takeRole(role); },
+  note: told => toast(told.text, false),
+  error: told => toast(told.text, true),
+  lines: told => copy(told.text),
+  invite: told => copy(told.text)};
+
+function take(bytes) {
+  if (!live.hello) {
+    live.waiting = bytes;
+    wish('seen', {frame: new DataView(bytes).getUint32(4, true)});
+    return;
+  }
+  live.waiting = null;
+  const first = !live.frame;
+  live.frame = decode(bytes);
+  live.isNew = true;
+  keepSample(live.frame);
+  if (first) frameView(live.frame);
+  wish('seen', {frame: live.frame.number});
+}
+
+function connect() {
+  const socket = new WebSocket('ws://' + location.host + '/live');
+  socket.binaryType = 'arraybuffer';
+  socket.onopen = () => { live.retry = 500; };
+  socket.onmessage = event => {
+    if (typeof event.data !== 'string') return take(event.data);
+    const told = JSON.parse(event.data);
+    if (answers[told.type]) answers[told.type](told);
+  };
+  socket.onclose = () => {
+    $('status').textContent = 'not connected';
+    $('status').className = 'chip bad';
+    setTimeout(connect, live.retry);
+    live.retry = Math.min(8000, 2 * live.retry);
+  };
+  live.socket = socket;
+}
+
+// ---- hands
+
+const caster = new THREE.Raycaster();
+function aimAt(event) {
+  const box = $('view').getBoundingClientRect();
+  caster.setFromCamera(new THREE.Vector2(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height), camera);
+}
+
+function startPull(event) {
+  if (event.button !== 0 || !live.steers || !live.hello || !live.hello.can_grab) return;
+  aimAt(event);
+  let best = null;
+  live.bodies.forEach((body, b) => {
+    const hit = body.hit(caster.ray);
+    if (hit && (!best || hit.distance < best.distance)) best = {...hit, body: b};
+  });
+  if (!best) return;
+  event.stopImmediatePropagation();
+  controls.enabled = false;
+  const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new THREE.Vector3()), best.point);
+  live.pull = {plane, point: best.point.clone()};
+  $('view').classList.add('pulls');
+  $('view').setPointerCapture(event.pointerId);
+  $('hint').classList.add('gone');
+  wish('grab', {body: best.body, vertex: best.vertex, place: best.point.toArray()});
+}
+
+function movePull(event) {
+  if (!live.pull) return;
+  aimAt(event);
+  if (caster.ray.intersectPlane(live.pull.plane, live.pull.point)) live.pull.isNew = true;
+}
+
+function endPull() {
+  if (!live.pull) return;
+  live.pull = null;
+  controls.enabled = true;
+  $('view').classList.remove('pulls');
+  wish('release');
+}
+
+$('view').addEventListener('pointerdown', startPull, true);
+$('view').addEventListener('mousedown', event => { if (live.pull) event.stopImmediatePropagation(); }, true);
+window.addEventListener('pointermove', movePull);
+window.addEventListener('pointerup', endPull);
+window.addEventListener('pointercancel', endPull);
+$('play').addEventListener('click', () => wish(live.plays ? 'pause' : 'play'));
+$('step').addEventListener('click', () => wish('step'));
+$('restart').addEventListener('click', () => { live.samples = []; wish('restart'); });
+$('slower').addEventListener('change', () => wish('slower', {value: Number($('slower').value)}));
+$('scrub').addEventListener('input', () => wish('show', {frame: Number($('scrub').value)}));
+$('goon').addEventListener('click', () => { wish('rewind', {frame: live.frame.frame}); wish('play'); });
+$('steer').addEventListener('click', () => wish('steer'));
+for (const name of ['invite', 'lines', 'save', 'render']) $(name).addEventListener('click', () => wish(name));
+for (const input of document.querySelectorAll('#looks input')) input.addEventListener('change', showLooks);
+window.addEventListener('keydown', event => {
+  if (/^(INPUT|SELECT|BUTTON)$/.test(event.target.tagName)) return;
+  if (event.key === ' ') $('play').click();
+  else if (event.key === '.') $('step').click();
+  else if (event.key === 'r') $('restart').click();
+  else return;
+  event.preventDefault();
+});
+
+// ---- the beat
+
+function fit() {
+  const width = $('stage').clientWidth, height = $('stage').clientHeight, scale = Math.min(2, window.devicePixelRatio || 1);
+  const size = renderer.getDrawingBufferSize(new THREE.Vector2());
+  if (Math.abs(size.x - width * scale) < 2 && Math.abs(size.y - height * scale) < 2) return;
+  renderer.setPixelRatio(scale);
+  renderer.setSize(width, height, false);
+  camera.aspect = width / height;
+  const below = document.body.clientWidth > 860 ? 64 : 0;  // what stands on plots is seen
+  camera.setViewOffset(width, height, 0, below, width, height);
+  camera.updateProjectionMatrix();
+}
+
+function draw() {
+  requestAnimationFrame(draw);
+  fit();
+  controls.update();
+  if (live.pull && live.pull.isNew) {
+    live.pull.isNew = false;
+    wish('move', {place: live.pull.point.toArray()});
+  }
+  if (live.frame && live.isNew) {
+    live.isNew = false;
+    showPicture(live.frame);
+    tell(live.frame);
+    for (const plot of plots) plot.draw(live.samples, plotSeconds);
+  }
+  renderer.render(scene, camera);
+}
+
+connect();
+draw();

@@ -1,0 +1,200 @@
+#include "tools/live/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/files/sha256.h"
+#include "tools/setup/body_contact.h"
+#include "tools/system/seconds_since.h"
+
+namespace umax {
+namespace {
+
+constexpr double pull_frequency = 4;  // [Hz] of the body's whole mass on the spring
+constexpr double most_pull = 8;       // [-] of the body's weight on earth
+
+double time_of_change(const Session& session) {
+  return (double(session.state.step) + 0.25) * session.simulation.options.time_step;
+}
+
+double time_after(const Session& session) {
+  return double(session.state.step + 1) * session.simulation.options.time_step;
+}
+
+void hold_now(Session& session, std::size_t key, double value) {
+  if (value == value_now(session, key)) return;
+  hold_from(session.keys[key], time_of_change(session), value, session.simulation);
+  forget_model(session.stepping);
+}
+
+void lead_limits(Session& session) {
+  const double h = session.simulation.options.time_step;
+  for (std::size_t i = 0; i < session.keys.size(); ++i) {
+    const double now = value_now(session, i);
+    if (session.keys[i].kind != LiveKind::limit || session.goals[i] == now) continue;
+    hold_now(session, i,
+             limit_after_step(session.keys[i], session.simulation, now, session.goals[i], time_after(session), h));
+  }
+}
+
+Vector3d place_of(const Session& session, const Pull& pull, const Model::BodyRange& body) {
+  return hex_nodes(session.simulation.model, session.state.positions, body.first_hex + pull.hex).transpose() *
+         pull.weights;
+}
+
+// the spring of a grab: as stiff as lets the whole body swing on it slowly, and no longer than its force may be
+Pull pull_of(const Session& session, const Grab& grab) {
+  const Model& model = session.simulation.model;
+  const BodySetup& setup = session.simulation.bodies[std::size_t(grab.body)];
+  const Model::BodyRange& body = model.bodies[std::size_t(grab.body)];
+  const double turns = 2 * EIGEN_PI * pull_frequency;
+  const double mass = model.node_mass.segment(body.first_node, body.num_nodes).sum();
+  Pull pull{.body = body.name, .hex = setup.embedding->hex[grab.vertex]};
+  const Vector3d local = 2 * setup.embedding->local.row(grab.vertex).transpose().array() - 1;
+  pull.weights = shape_functions(local);
+  pull.stiffness = mass * turns * turns;
+  const Vector3d from = place_of(session, pull, body);
+  const double longest = most_pull * 9.81 / (turns * turns), wanted = (grab.goal - from).norm();
+  pull.place = wanted > longest ? Vector3d(from + (grab.goal - from) * (longest / wanted)) : grab.goal;
+  return pull;
+}
+
+}  // namespace
+
+Session::Session(const Scene& scene) : simulation(set_up(scene)), original(simulation.scene) {
+  if (!original.clip.allow_overlap) require_clear_start(simulation.model);
+  if (original.clip.preroll > 0)
+    throw Error(Fault::bad_data, {.where = "clip.preroll",
+                                  .what = "leads bodies before the first frame, which a live session does not",
+                                  .value = fmt::format("{} s", original.clip.preroll),
+                                  .remedy = "give --set clip.preroll=0, or run the scene with umax simulate"});
+  if (simulation.bodies.empty())
+    throw Error(Fault::bad_data,
+                {.where = original.name, .what = "has no body", .remedy = "add [body.NAME] to the scene"});
+  if (!simulation.pulls.empty())
+    throw Error(Fault::bad_data, {.where = "clip.pulls",
+                                  .what = "says how bodies were pulled before, which a live session would overwrite",
+                                  .remedy = "give the scene of that session, or run this one with umax simulate"});
+  keys = live_keys(original);
+  for (std::size_t i = 0; i < keys.size(); ++i) goals.push_back(keys[i].value_at(original, 0));
+  stepping = begin_stepping_in_place(simulation);
+  state = rest_state(simulation.model);
+  last = measure(simulation.model, simulation.options, state);
+}
+
+double value_now(const Session& session, std::size_t key) {
+  return session.keys[key].value_at(session.simulation.scene, time_after(session));
+}
+
+bool set_key(Session& session, std::size_t key, double value) {
+  if (key >= session.keys.size()) return false;
+  const LiveKey& of = session.keys[key];
+  if (of.is_animated || !(value >= of.least && value <= of.most)) return false;
+  session.goals[key] = value;
+  // nothing is strained before the first step, and what does not fall throws nothing
+  if (of.kind != LiveKind::limit || value >= value_now(session, key) || session.state.step == 0)
+    hold_now(session, key, value);
+  return true;
+}
+
+bool can_grab(const Session& session) {
+  const SolverOptions& solver = session.simulation.options.solver;
+  return solver.method == SolverMethod::exact && solver.linear != LinearSolver::multigrid;
+}
+
+bool grab(Session& session, const Grab& grab) {
+  const auto& bodies = session.simulation.bodies;
+  if (grab.body < 0 || grab.body >= int(bodies.size()) || grab.vertex < 0 ||
+      grab.vertex >= bodies[std::size_t(grab.body)].embedding->hex.size() || !grab.goal.allFinite() ||
+      grab.goal.norm() > 1e6)
+    return false;
+  if (!can_grab(session)) return false;
+  session.grab = grab;
+  return true;
+}
+
+void release(Session& session) {
+  session.grab.reset();
+}
+
+const StepReport& step(Session& session) {
+  lead_limits(session);
+  std::vector<Pull> pulls;
+  if (session.grab) {
+    pulls.push_back(pull_of(session, *session.grab));
+    session.pulls[session.state.step] = pulls;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  session.last = advance(session.stepping, pulls, session.state);
+  if (!session.state.positions.allFinite())
+    throw Error(Fault::internal, {.where = fmt::format("step {}", session.state.step),
+                                  .what = "positions are no longer finite",
+                                  .remedy = "please report it with the saved session"});
+  session.steps_not_converged += session.last.status != StepStatus::converged;
+  session.rows.push_back({.step = session.state.step,
+                          .frame = session.frame(),
+                          .time = session.state.time,
+                          .hexes = session.simulation.model.num_hexes(),
+                          .report = session.last,
+                          .wall_ms = 1000 * seconds_since(begin),
+                          .probes = probe_positions(session.simulation, session.state.positions)});
+  if (session.rows.size() > session.most_rows) session.rows.pop_front();
+  return session.last;
+}
+
+void restart(Session& session) {
+  rewind(session, rest_state(session.simulation.model));
+}
+
+void rewind(Session& session, const State& state) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < session.keys.size(); ++i) values.push_back(session.goals[i]);
+  session.state = state;
+  session.pulls.erase(session.pulls.lower_bound(state.step), session.pulls.end());
+  while (!session.rows.empty() && session.rows.back().step > state.step) session.rows.pop_back();
+  session.steps_not_converged = std::count_if(session.rows.begin(), session.rows.end(), [](const StepRow& row) {
+    return row.report.status != StepStatus::converged;
+  });
+  for (const LiveKey& key : session.keys) drop_from(key, time_of_change(session), session.simulation);
+  session.stepping.workspace.reset();
+  bring_to(session.simulation.model, state.time);
+  if (state.step == 0) session.state = rest_state(session.simulation.model);
+  for (std::size_t i = 0; i < session.keys.size(); ++i)
+    if (!session.keys[i].is_animated) set_key(session, i, values[i]);
+  session.last = session.rows.empty() ? measure(session.simulation.model, session.simulation.options, session.state)
+                                      : session.rows.back().report;
+}
+
+SessionFiles session_files(const Session& session, const std::string& pulls_name) {
+  SessionFiles files{session.simulation.scene, {}};
+  ClipDescription& clip = files.scene.clip;
+  clip.frames = std::max(1, int(session.state.step / session.substeps()) + 1);
+  if (!session.pulls.empty()) {
+    files.pulls = encode_pulls(session.pulls, session.simulation.model);
+    clip.pulls = pulls_name;
+    clip.pulls_sha256 = sha256_hex(files.pulls);
+  }
+  return files;
+}
+
+std::string scene_lines(const Session& session) {
+  std::string lines;
+  for (std::size_t i = 0; i < session.keys.size(); ++i) {
+    const LiveKey& key = session.keys[i];
+    if (key.is_animated || session.goals[i] == key.value_at(session.original, 0)) continue;
+    const double value = session.goals[i];
+    if (key.kind == LiveKind::gravity) {
+      const Vector3d g = value * key.direction;
+      lines += fmt::format("{} = [{}, {}, {}]\n", key.path, g.x(), g.y(), g.z());
+    } else {
+      lines += fmt::format("{} = {}\n", key.path, value);
+    }
+  }
+  return lines;
+}
+
+}  // namespace umax
