@@ -32,6 +32,10 @@ material.young = "60 kPa"
 material.damping_stiffness = 0.002
 limit.stretch = "30 %"
 look.color = "#c05030"
+[obstacle.block]
+shape = "box"
+size = [0.3, 0.3, 0.3]
+position = [-0.9, 0.15, 0]
 [obstacle.ground]
 shape = "plane"
 friction = 0.5
@@ -195,6 +199,32 @@ def test_pull(page, pictures):
     check("a pull lifts the body, and letting go drops it", True)
 
 
+def test_obstacle(page, pictures):
+    place = "return umaxLive.obstacles[0].matrix.elements.slice(12, 15)"
+    on_screen = """
+      const at = new THREE.Vector3(...arguments[0]);
+      const canvas = document.getElementById('view');
+      at.project(camera);
+      return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];"""
+    canvas = page.browser.find_element(By.ID, "view")
+    before = page.run(place)
+    x, y = page.run(on_screen, before)
+    ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
+    until("handles", lambda: page.run("return handles.object !== undefined && handles.object !== null"))
+    reach = page.run("return 0.7 * camera.position.distanceTo(handle.position) * handles.size / 7")
+    x, y = page.run(on_screen, [before[0] + reach, before[1], before[2]])
+    page.picture(pictures, "live-handles.png")
+    chain = ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).pause(0.3).click_and_hold()
+    for _ in range(5):
+        chain.move_by_offset(-12, 0).pause(0.1)
+    chain.release().perform()
+    until("the obstacle elsewhere", lambda: page.run(place)[0] < before[0] - 0.1)
+    after = page.run(place)
+    check("an obstacle is moved along its handle", abs(after[1] - before[1]) < 1e-3 and abs(after[2] - before[2]) < 1e-3)
+    ActionChains(page.browser).move_to_element_with_offset(canvas, -380, -100).click().perform()
+    until("no handles", lambda: page.run("return !handles.object"))
+
+
 def test_looks(page, pictures):
     for value, name in ((1, "energy"), (2, "stretch"), (3, "multiplier")):
         page.run("document.querySelector('input[name=heat][value=\"%d\"]').click()" % value)
@@ -273,6 +303,7 @@ def main(program, pictures=None):
             test_slider(page)
             test_looks(page, pictures)
             test_pull(page, pictures)
+            test_obstacle(page, pictures)
             test_past(page)
             test_people(page, live)
             test_saving(page, program, folder)

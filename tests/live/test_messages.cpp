@@ -19,7 +19,8 @@ const std::vector<std::string> good{R"({"wish":"play"})",
                                     R"({"wish":"slower","value":4})",
                                     R"({"wish":"show","frame":12})",
                                     R"({"wish":"seen","frame":4000000})",
-                                    R"({"wish":"save"})"};
+                                    R"({"wish":"save"})",
+                                    R"({"wish":"place","obstacle":0,"place":[1,2,3]})"};
 
 /// Bytes of any kind, or a good message with some of its bytes changed, doubled or cut.
 std::string random_message(std::mt19937& random) {
@@ -57,6 +58,7 @@ void obey(Session& session, const Message& message) {
   if (message.wish == Wish::move && session.grab)
     grab(session, {session.grab->body, session.grab->vertex, message.place});
   if (message.wish == Wish::release) release(session);
+  if (message.wish == Wish::place) place_obstacle(session, std::size_t(message.obstacle), message.place);
 }
 
 }  // namespace

@@ -192,6 +192,32 @@ TEST_CASE("a pull lifts the body, and letting go lets it fall") {
   CHECK(session.last.status == StepStatus::converged);
 }
 
+TEST_CASE(
+    "an obstacle that is moved goes there at two metres a second, pushes, and is simulated again to the last bit") {
+  const TemporaryFolder folder;
+  Session session(
+      live_scene(folder, "[obstacle.fist]\nshape = \"box\"\nsize = [0.2, 0.2, 0.6]\nposition = [-0.6, 0.15, 0]\n"));
+  REQUIRE(session.original.obstacles[0].name == "fist");
+  CHECK_FALSE(place_obstacle(session, 1, {0, 1, 0}));  // the ground
+  CHECK_FALSE(place_obstacle(session, 2, {0, 1, 0}));
+  CHECK_FALSE(place_obstacle(session, 0, {0, double(NAN), 0}));
+  std::vector<std::string> states;
+  step_often(session, 10, states);
+  const auto fist = [&](double time) { return session.simulation.model.obstacles[0].position.at(time).x(); };
+  const double before = session.state.positions.col(0).mean();
+  REQUIRE(place_obstacle(session, 0, {-0.1, 0.15, 0}));
+  for (int i = 0; i < 40; ++i) {
+    const double then = fist(session.state.time);
+    step_often(session, 1, states);
+    CHECK(fist(session.state.time) - then <= 2 * session.simulation.options.time_step * (1 + 1e-9));
+  }
+  CHECK(fist(session.state.time) == -0.1);
+  CHECK(session.state.positions.col(0).mean() > before + 0.1);
+  CHECK(replayed(session, folder, (long long)(states.size())) == states);
+  restart(session);
+  CHECK(fist(0.1) == -0.6);
+}
+
 TEST_CASE("hard limits hold while a body is dragged about faster than it can follow") {
   const TemporaryFolder folder;
   Session session(live_scene(folder));

@@ -167,6 +167,24 @@ void drop_from(const LiveKey& key, double time, Simulation& simulation) {
   cut(time, track_in(key, simulation.model.bodies[std::size_t(key.body)]));
 }
 
+bool can_place(const Scene& original, std::size_t obstacle) {
+  const ObstacleDescription& of = original.obstacles[obstacle];
+  return !std::holds_alternative<HalfSpace>(of.shape) && of.cache.path.empty() && of.position.is_constant();
+}
+
+void place_from(std::size_t obstacle, double time, const Vector3d& place, Simulation& simulation) {
+  hold(time, place, simulation.scene.obstacles[obstacle].position);
+  hold(time, place, simulation.model.obstacles[obstacle].position);
+}
+
+void drop_places_from(const Scene& original, double time, Simulation& simulation) {
+  for (std::size_t i = 0; i < original.obstacles.size(); ++i) {
+    if (!can_place(original, i)) continue;
+    cut(time, simulation.scene.obstacles[i].position);
+    cut(time, simulation.model.obstacles[i].position);
+  }
+}
+
 double limit_after_step(const LiveKey& key, const Simulation& simulation, double now, double goal, double time,
                         double time_step) {
   if (goal >= now) return goal;

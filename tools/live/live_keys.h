@@ -35,6 +35,13 @@ void put_back(const LiveKey& key, const Scene& original, Simulation& simulation)
 /// Drops what is held from a time [s] on.
 void drop_from(const LiveKey& key, double time, Simulation& simulation);
 
+/// Whether an obstacle can be moved: it is no plane, and the scene does not animate it.
+bool can_place(const Scene& original, std::size_t obstacle);
+
+/// Puts an obstacle to a place [m] from a time [s] on, in the scene and in the model alike; drop_places_from() undoes that.
+void place_from(std::size_t obstacle, double time, const Vector3d& place, Simulation& simulation);
+void drop_places_from(const Scene& original, double time, Simulation& simulation);
+
 /// Where a limit that is to become `goal` stands after a step of `time_step` [s]: it rises at once, and falls by at most
 /// half a stretch in a second, however it is given.
 double limit_after_step(const LiveKey& key, const Simulation& simulation, double now, double goal, double time,

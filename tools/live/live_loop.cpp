@@ -161,6 +161,9 @@ void LiveLoop::change_session(const Message& message) {
     case Wish::release:
       release(session_);
       break;
+    case Wish::place:
+      is_done = place_obstacle(session_, std::size_t(message.obstacle), message.place);
+      break;
     case Wish::restart:
       past_.reset();
       release(session_);
@@ -173,7 +176,8 @@ void LiveLoop::change_session(const Message& message) {
     default:
       break;
   }
-  if (!is_done) news_.told(told_text("error", "that value, body or vertex is not there, or cannot be changed"));
+  if (!is_done)
+    news_.told(told_text("error", "that value, body, vertex or obstacle is not there, or cannot be changed"));
 }
 
 void LiveLoop::show_frame(int frame) {

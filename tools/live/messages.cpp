@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::pair<const char*, Wish>, 17> words{{{"play", Wish::play},
+constexpr std::array<std::pair<const char*, Wish>, 18> words{{{"play", Wish::play},
                                                               {"pause", Wish::pause},
                                                               {"step", Wish::step},
                                                               {"restart", Wish::restart},
@@ -28,7 +28,8 @@ constexpr std::array<std::pair<const char*, Wish>, 17> words{{{"play", Wish::pla
                                                               {"lines", Wish::lines},
                                                               {"steer", Wish::steer},
                                                               {"seen", Wish::seen},
-                                                              {"invite", Wish::invite}}};
+                                                              {"invite", Wish::invite},
+                                                              {"place", Wish::place}}};
 
 std::optional<Wish> wish_of(const json& value) {
   if (!value.is_string()) return std::nullopt;
@@ -74,6 +75,8 @@ std::optional<std::size_t> take_fields(const json& text, Message& message) {
     case Wish::grab:
       return all(3, take(text, "body", message.body) && take(text, "vertex", message.vertex) &&
                         take(text, "place", message.place));
+    case Wish::place:
+      return all(2, take(text, "obstacle", message.obstacle) && take(text, "place", message.place));
     case Wish::move:
       return all(1, take(text, "place", message.place));
     case Wish::show:
@@ -143,6 +146,7 @@ json json_of(const Session& session, std::size_t i) {
           {"plane", std::holds_alternative<HalfSpace>(obstacle.shape)},
           {"visible", description.visible},
           {"deforms", obstacle.deformation != nullptr},
+          {"movable", can_place(session.original, i)},
           {"place", json_of(pose.translation)},
           {"turn", matrix},
           {"color", json_of(description.look.base_color)}};

@@ -26,12 +26,13 @@ enum class Wish {
   lines,
   steer,
   seen,
-  invite
+  invite,
+  place
 };
 
 struct Message {
   Wish wish = Wish::pause;
-  int key = 0, body = 0, vertex = 0;
+  int key = 0, body = 0, vertex = 0, obstacle = 0;
   int frame = 0;            // show, rewind; seen: the number of the picture
   double value = 0;         // set, slower
   Vector3d place{0, 0, 0};  // grab, move

@@ -43,6 +43,12 @@ const hand = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14), new THREE
 scene.add(touchPoints, spring, hand);
 spring.visible = hand.visible = touchPoints.visible = false;
 
+const handles = new THREE.TransformControls(camera, $('view')), handle = new THREE.Object3D();
+handles.setSize(0.7);
+scene.add(handle, handles);
+handles.addEventListener('dragging-changed', event => { controls.enabled = !event.value; live.places = event.value; });
+handles.addEventListener('objectChange', () => { live.placed = true; });
+
 async function fetchBytes(path) {
   const answer = await fetch(path);
   if (!answer.ok) throw new Error(path + ': ' + answer.status);
@@ -82,6 +88,7 @@ async function build(hello) {
     const about = hello.obstacles[i], thing = about.plane ? groundOf(about) : await meshOf(about, i);
     thing.matrixAutoUpdate = false;
     thing.matrix.copy(matrixOf(about.turn, about.place));
+    thing.updateMatrixWorld(true);
     thing.visible = about.visible && !about.deforms;
     obstacles.push(thing);
   }
@@ -137,7 +144,7 @@ function showPicture(frame) {
   touchPoints.geometry = new THREE.BufferGeometry();
   touchPoints.geometry.setAttribute('position', new THREE.BufferAttribute(frame.points, 3));
   touchPoints.visible = $('touch').checked && frame.points.length > 0;
-  for (const {obstacle, matrix} of frame.moving) live.obstacles[obstacle].matrix.copy(matrix), live.obstacles[obstacle].matrixWorldNeedsUpdate = true;
+  for (const {obstacle, matrix} of frame.moving) live.obstacles[obstacle].matrix.copy(matrix), live.obstacles[obstacle].updateMatrixWorld(true);
   const grabbed = (frame.flags & 4) !== 0;
   spring.visible = hand.visible = grabbed;
   if (grabbed) {
@@ -321,14 +328,15 @@ function aimAt(event) {
 }
 
 function startPull(event) {
-  if (event.button !== 0 || !live.steers || !live.hello || !live.hello.can_grab) return;
+  if (event.button !== 0 || !live.steers || !live.hello || handles.axis) return;
   aimAt(event);
   let best = null;
-  live.bodies.forEach((body, b) => {
+  if (live.hello.can_grab) live.bodies.forEach((body, b) => {
     const hit = body.hit(caster.ray);
     if (hit && (!best || hit.distance < best.distance)) best = {...hit, body: b};
   });
-  if (!best) return;
+  chooseObstacle(best ? best.distance : Infinity);
+  if (!best || handles.object) return;
   event.stopImmediatePropagation();
   controls.enabled = false;
   const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new THREE.Vector3()), best.point);
@@ -337,6 +345,16 @@ function startPull(event) {
   $('view').setPointerCapture(event.pointerId);
   $('hint').classList.add('gone');
   wish('grab', {body: best.body, vertex: best.vertex, place: best.point.toArray()});
+}
+
+// The handles of the obstacle under the cursor, where one is nearer than what else is there.
+function chooseObstacle(nearest) {
+  const movable = live.obstacles.filter((thing, i) => live.hello.obstacles[i].movable && thing.visible);
+  const hit = caster.intersectObjects(movable)[0];
+  if (!hit || hit.distance >= nearest) return handles.detach();
+  live.chosen = live.obstacles.indexOf(hit.object);
+  handle.position.setFromMatrixPosition(hit.object.matrix);
+  handles.attach(handle);
 }
 
 function movePull(event) {
@@ -397,6 +415,10 @@ function draw() {
   if (live.pull && live.pull.isNew) {
     live.pull.isNew = false;
     wish('move', {place: live.pull.point.toArray()});
+  }
+  if (live.placed && live.places) {
+    live.placed = false;
+    wish('place', {obstacle: live.chosen, place: handle.position.toArray()});
   }
   if (live.frame && live.isNew) {
     live.isNew = false;

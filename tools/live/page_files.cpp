@@ -37,6 +37,8 @@ std::map<std::string, std::string> page_files() {
     files[embedded_live_page[i].first] = embedded_live_page[i].second;
   files["three.min.js"] = library(folder, {"three.min.js", "build/three.min.js", "three.js"});
   files["OrbitControls.js"] = library(folder, {"examples/js/controls/OrbitControls.js", "OrbitControls.js"});
+  files["TransformControls.js"] =
+      library(folder, {"examples/js/controls/TransformControls.js", "TransformControls.js"});
   return files;
 }
 

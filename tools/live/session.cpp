@@ -14,8 +14,9 @@
 namespace umax {
 namespace {
 
-constexpr double pull_frequency = 4;  // [Hz] of the body's whole mass on the spring
-constexpr double most_pull = 8;       // [-] of the body's weight on earth
+constexpr double pull_frequency = 4;    // [Hz] of the body's whole mass on the spring
+constexpr double fastest_obstacle = 2;  // [m/s] that is moved by hand
+constexpr double most_pull = 8;         // [-] of the body's weight on earth
 
 double time_of_change(const Session& session) {
   return (double(session.state.step) + 0.25) * session.simulation.options.time_step;
@@ -38,6 +39,20 @@ void lead_limits(Session& session) {
     if (session.keys[i].kind != LiveKind::limit || session.goals[i] == now) continue;
     hold_now(session, i,
              limit_after_step(session.keys[i], session.simulation, now, session.goals[i], time_after(session), h));
+  }
+}
+
+void lead_obstacles(Session& session) {
+  const double farthest = fastest_obstacle * session.simulation.options.time_step;
+  for (std::size_t i = 0; i < session.places.size(); ++i) {
+    if (!session.places[i]) continue;
+    const Vector3d now = session.simulation.model.obstacles[i].position.at(time_after(session));
+    const Vector3d way = *session.places[i] - now;
+    const bool is_there = way.norm() <= farthest;
+    place_from(i, time_of_change(session),
+               is_there ? *session.places[i] : Vector3d(now + way * (farthest / way.norm())), session.simulation);
+    if (is_there) session.places[i].reset();
+    forget_model(session.stepping);
   }
 }
 
@@ -81,6 +96,7 @@ Session::Session(const Scene& scene) : simulation(set_up(scene)), original(simul
                                   .remedy = "give the scene of that session, or run this one with umax simulate"});
   keys = live_keys(original);
   for (std::size_t i = 0; i < keys.size(); ++i) goals.push_back(keys[i].value_at(original, 0));
+  places.resize(original.obstacles.size());
   stepping = begin_stepping_in_place(simulation);
   state = rest_state(simulation.model);
   last = measure(simulation.model, simulation.options, state);
@@ -121,8 +137,17 @@ void release(Session& session) {
   session.grab.reset();
 }
 
+bool place_obstacle(Session& session, std::size_t obstacle, const Vector3d& place) {
+  if (obstacle >= session.places.size() || !can_place(session.original, obstacle) || !place.allFinite() ||
+      place.norm() > 1e6)
+    return false;
+  session.places[obstacle] = place;
+  return true;
+}
+
 const StepReport& step(Session& session) {
   lead_limits(session);
+  lead_obstacles(session);
   std::vector<Pull> pulls;
   if (session.grab) {
     pulls.push_back(pull_of(session, *session.grab));
@@ -160,6 +185,8 @@ void rewind(Session& session, const State& state) {
     return row.report.status != StepStatus::converged;
   });
   for (const LiveKey& key : session.keys) drop_from(key, time_of_change(session), session.simulation);
+  drop_places_from(session.original, time_of_change(session), session.simulation);
+  session.places.assign(session.places.size(), std::nullopt);
   session.stepping.workspace.reset();
   bring_to(session.simulation.model, state.time);
   if (state.step == 0) session.state = rest_state(session.simulation.model);

@@ -102,14 +102,16 @@ std::vector<Vector3d> contact_places(const Model& model, const State& state) {
   return places;
 }
 
-bool moves(const Obstacle& obstacle) {
-  return !obstacle.position.is_constant() || !obstacle.rotation_degrees.is_constant();
+// planes stay where they are unless the scene moves them
+bool may_move(const Obstacle& obstacle) {
+  return !std::holds_alternative<HalfSpace>(obstacle.shape) || !obstacle.position.is_constant() ||
+         !obstacle.rotation_degrees.is_constant();
 }
 
 std::uint16_t put_moving(ByteWriter& out, const Model& model, double time) {
   std::uint16_t count = 0;
   for (std::size_t i = 0; i < model.obstacles.size(); ++i) {
-    if (!moves(model.obstacles[i])) continue;
+    if (!may_move(model.obstacles[i])) continue;
     const Pose pose = pose_at(model.obstacles[i], time);
     out.put(std::uint32_t(i));
     for (int row = 0; row < 3; ++row)

@@ -11,7 +11,7 @@
 // A picture, every frame: FrameHeader; of each body the box of its nodes (low, extent: 6 f32), then their places in it
 // (3 u16 of 0 ... 65535); of each hex U/U_max (u8, 200 is 1), stretch (u8, 255 is largest_stretch) and, where a limit
 // holds, the multiplier (u8, logarithmic, 255 is largest_multiplier): energy of all, stretch of all, multiplier of all;
-// contact points in the box of all bodies (3 u16); moving obstacles: number (u32), turn (9 f32, by rows), place (3 f32).
+// contact points in the box of all bodies (3 u16); obstacles that may move: number (u32), turn (9 f32, by rows), place (3 f32).
 #pragma once
 
 #include <cstdint>
