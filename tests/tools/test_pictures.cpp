@@ -86,6 +86,34 @@ TEST_CASE("compare tells equal pictures from different ones") {
   CHECK(exit_code_of({"compare", run.string(), (folder / "red").string()}) == 66);
 }
 
+TEST_CASE("compare takes clips, frame by frame, and shows the worst one on a page") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), run = folder / "run", red = folder / "red",
+                 page = folder / "page.html";
+  fs::create_directory(folder / "temporary");
+  setenv("TMPDIR", (folder / "temporary").c_str(), 1);
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", run.string()} + four_frames) == 0);
+  REQUIRE(exit_code_of({"render", run.string(), "-o", red.string(), "--set", "body.block.look.color=[0.9, 0, 0]"}) ==
+          0);
+  const std::string a = (run / "clip.mp4").string(), b = (red / "clip.mp4").string();
+  CHECK(exit_code_of({"compare", a, a, "--max-flip", "0"}) == 0);
+  CHECK(exit_code_of({"compare", a, b, "--report", page.string()}) == 1);
+  const std::string text = file_text(page);
+  CHECK(text.find("<svg") != std::string::npos);
+  CHECK(text.find("past the threshold of 0.02") != std::string::npos);
+  // a clip is what its pictures are, but for what encoding loses
+  CHECK(exit_code_of({"compare", run.string(), a, "--max-flip", "0.1"}) == 0);
+  CHECK(exit_code_of({"compare", red.string(), a, "--max-flip", "0.02"}) == 1);
+  // what cannot be compared
+  CHECK(exit_code_of({"compare", a, (run / "frames/0001.png").string()}) == 2);
+  REQUIRE(exit_code_of(Words{"render", run.string(), "-o", (folder / "short").string(), "--frames", "1-3"}) == 0);
+  CHECK(exit_code_of({"compare", a, (folder / "short/clip.mp4").string()}) == 65);
+  make_file(folder / "no.mp4", "no clip");
+  CHECK(exit_code_of({"compare", a, (folder / "no.mp4").string()}) == 65);
+  CHECK(fs::is_empty(folder / "temporary"));
+  unsetenv("TMPDIR");
+}
+
 TEST_CASE("pictures of other settings are made anew when a run goes on") {
   const TemporaryFolder folder;
   const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";

@@ -11,8 +11,10 @@
 #include "render/image/image_io.h"
 #include "render/image/tone_map.h"
 #include "tools/cli/options.h"
+#include "tools/cli/picture_set.h"
 #include "tools/cli/verb.h"
 #include "tools/pages/compare_report.h"
+#include "tools/pictures/plot.h"
 #include "tools/system/threads.h"
 
 namespace umax {
@@ -44,39 +46,6 @@ Comparison compare_pictures(const fs::path& a, const fs::path& b) {
   return comparison;
 }
 
-bool is_picture(const fs::path& path) {
-  return path.extension() == ".png" || path.extension() == ".exr";
-}
-
-/// Names of the pictures in a folder; a run's folder stands for its frames.
-std::vector<std::string> picture_names(fs::path& folder) {
-  std::error_code error;
-  if (fs::is_directory(folder / "frames", error)) folder /= "frames";
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (is_picture(entry.path())) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  if (names.empty())
-    throw Error(Fault::not_found, {.where = folder.string(),
-                                   .what = "holds no pictures",
-                                   .remedy = "give two pictures, or two folders with pictures of the same names"});
-  return names;
-}
-
-void require_same_names(const fs::path& a, const std::vector<std::string>& names_a, const fs::path& b,
-                        const std::vector<std::string>& names_b) {
-  const auto find_missing = [](const fs::path& folder, const std::vector<std::string>& here,
-                               const std::vector<std::string>& there) {
-    for (const std::string& name : there)
-      if (!std::binary_search(here.begin(), here.end(), name))
-        throw Error(Fault::not_found, {.where = (folder / name).string(),
-                                       .what = "does not exist, but the other folder has it",
-                                       .remedy = "render the same frames and kinds of pictures in both"});
-  };
-  find_missing(b, names_b, names_a);
-  find_missing(a, names_a, names_b);
-}
-
 /// What is printed and decided, and where a page goes.
 class Judge {
  public:
@@ -84,6 +53,8 @@ class Judge {
       : max_flip_(options.max_flip.value_or(default_max_flip)), quiet_(options.quiet) {
     if (options.report) page_ = *options.report;
   }
+
+  double max_flip() const { return max_flip_; }
 
   void print(const std::string& label, double mean, double maximum, double percentage) const {
     if (!quiet_)
@@ -107,30 +78,53 @@ class Judge {
   fs::path page_;
 };
 
+/// How different pictures are in a sequence, as a curve.
+std::string curve_of(const std::vector<double>& means, double max_flip) {
+  PlotSeries series{.name = "mean FLIP"};
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    series.x.push_back(double(i + 1));
+    series.y.push_back(means[i]);
+  }
+  return draw_svg({.title = "difference of each picture",
+                   .x = {.label = "picture", .whole_numbers = true},
+                   .panels = {{.y = {.label = "mean FLIP [-]", .low = 0},
+                               .series = {std::move(series)},
+                               .levels = {{"threshold", max_flip}},
+                               .height = 160}}});
+}
+
 /// Every picture counts for itself: the worst one decides.
-int compare_folders(fs::path a, fs::path b, const Judge& judge) {
-  const auto names_a = picture_names(a), names_b = picture_names(b);
-  require_same_names(a, names_a, b, names_b);
+int compare_sets(const fs::path& path_a, const fs::path& path_b, const Judge& judge) {
+  const PictureSet a(path_a), b(path_b);
   Comparison worst;
   worst.difference.mean = -1;
   double maximum = 0, mean = 0, percentage = 0;
-  for (const std::string& name : names_a) {
-    Comparison comparison = compare_pictures(a / name, b / name);
+  std::vector<double> means;
+  const std::vector<std::string> names = names_of_both(a, b);
+  for (const std::string& name : names) {
+    Comparison comparison = compare_pictures(a.path_of(name), b.path_of(name));
     const FlipResult& result = comparison.difference;
     judge.print(name + "  ", result.mean, result.maximum, result.percent_above);
     maximum = std::max(maximum, result.maximum);
-    mean += result.mean / double(names_a.size());
-    percentage += result.percent_above / double(names_a.size());
+    mean += result.mean / double(names.size());
+    percentage += result.percent_above / double(names.size());
+    means.push_back(result.mean);
     if (result.mean > worst.difference.mean) worst = std::move(comparison);
   }
   judge.print("all  ", mean, maximum, percentage);
+  if (means.size() > 1) worst.curve = curve_of(means, judge.max_flip());
   return judge.decide(std::move(worst));
+}
+
+bool is_many(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) || is_clip_file(path);
 }
 
 int compare(const Options& options) {
   if (options.inputs.size() != 2)
     throw Error(Fault::usage,
-                {.what = "umax compare takes two pictures or two folders", .remedy = "see umax help compare"});
+                {.what = "umax compare takes two pictures, folders or clips", .remedy = "see umax help compare"});
   const ThreadLimit threads(options.threads);
   const fs::path a = options.inputs[0], b = options.inputs[1];
   const Judge judge(options);
@@ -138,10 +132,10 @@ int compare(const Options& options) {
   for (const fs::path& path : {a, b})
     if (!fs::exists(path, error))
       throw Error(Fault::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
-  if (fs::is_directory(a, error) != fs::is_directory(b, error))
-    throw Error(Fault::usage,
-                {.what = "a picture cannot be compared with a folder", .remedy = "give two pictures, or two folders"});
-  if (fs::is_directory(a, error)) return compare_folders(a, b, judge);
+  if (is_many(a) != is_many(b))
+    throw Error(Fault::usage, {.what = "a picture cannot be compared with a folder or a clip",
+                               .remedy = "give two pictures, or two of the others"});
+  if (is_many(a)) return compare_sets(a, b, judge);
 
   Comparison comparison = compare_pictures(a, b);
   const FlipResult& result = comparison.difference;
@@ -152,16 +146,19 @@ int compare(const Options& options) {
 }  // namespace
 
 Verb compare_verb() {
-  return {.name = "compare",
-          .usage = "A B",
-          .summary = "image difference: mean FLIP, maximum, percentage",
-          .details =
-              "Compares two pictures, or the pictures of the same names in two folders. Exit code 0: the mean FLIP is "
-              "within --max-flip; 1: it is not; 2 or more: the comparison failed.",
-          .examples = {"umax compare reference.png frames/0060.png --max-flip 0.05"},
-          .arguments = {.endings = {"*"}},
-          .options = {"--max-flip", "--report", "--threads", "--quiet", "--verbose"},
-          .run = compare};
+  return {
+      .name = "compare",
+      .usage = "A B",
+      .summary = "image difference: mean FLIP, maximum, percentage",
+      .details =
+          "Compares two pictures, the pictures of the same names in two folders, or two clips frame by frame (by "
+          "ffmpeg). Of many the worst one decides. --report PAGE writes a page that shows it, and how different each "
+          "one is. Exit code 0: the mean FLIP is within --max-flip; 1: it is not; 2 or more: the comparison failed.",
+      .examples = {"umax compare reference.png frames/0060.png --max-flip 0.05",
+                   "umax compare golden/clip.mp4 figure/clip.mp4 --report difference.html"},
+      .arguments = {.endings = {"*"}},
+      .options = {"--max-flip", "--report", "--threads", "--quiet", "--verbose"},
+      .run = compare};
 }
 
 }  // namespace umax

@@ -30,6 +30,7 @@ body { background: #16181c; color: #e6e6e6; font: 15px/1.5 sans-serif; margin: 2
 main { display: flex; flex-wrap: wrap; gap: 1em; }
 figure { margin: 0; flex: 1 1 26em; }
 img { width: 100%; image-rendering: pixelated; background: #000; }
+.curve { flex: 1 0 100%; } .curve svg { background: #fff; border-radius: 4px; max-width: 100%; height: auto; }
 figcaption { color: #a8adb5; }
 pre { background: #0c0d10; padding: .8em; overflow-x: auto; user-select: all; }
 #flip img + img { display: none; } #flip:hover img { display: none; } #flip:hover img + img { display: inline; }
@@ -42,6 +43,7 @@ void write_compare_report(const std::filesystem::path& path, const Comparison& c
                      html_text(comparison.name) + "</title><style>" + style + "</style></head><body>\n<h1>" +
                      html_text(comparison.name) + "</h1>\n<p>" + html_text(comparison.verdict) + "</p>\n<p>" +
                      html_text(numbers(comparison.difference)) + "</p>\n<main>\n";
+  if (!comparison.curve.empty()) page += "<figure class=\"curve\">" + comparison.curve + "</figure>\n";
   page += figure(comparison.reference, "reference", "reference");
   page += figure(comparison.result, "result", "result");
   page += figure(difference_picture(comparison.difference.map), "difference",

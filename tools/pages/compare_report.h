@@ -1,4 +1,5 @@
-// A page that shows how a picture differs from its reference: both, the difference, and how to accept the new one.
+// A page that shows how a picture differs from its reference: both, the difference, and how to accept the new one; of many
+// pictures the worst.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +14,7 @@ struct Comparison {
   Image8 reference, result;  // of one size, RGB
   FlipResult difference;
   std::string verdict;         // one sentence: what was exceeded, or that all is well
+  std::string curve = {};      // SVG of how different each of many pictures is; empty: there is one
   std::string update_command;  // copied into a shell, it makes the result the new reference; empty: none
 };
 

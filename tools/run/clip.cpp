@@ -153,4 +153,15 @@ void encode_clip(const fs::path& clip, const std::vector<fs::path>& pictures, co
       options);
 }
 
+void decode_clip(const fs::path& clip, const fs::path& folder) {
+  if (!find_program("ffmpeg"))
+    throw Error(Fault::unavailable, {"ffmpeg", "is needed to read the frames of a clip and is not installed", "",
+                                     "install it (apt-get install ffmpeg), or compare the folders of pictures"});
+  const ProcessResult result = run_process({"ffmpeg", "-nostdin", "-loglevel", "error", "-i", "file:" + clip.string(),
+                                            "-fps_mode", "passthrough", (folder / "%04d.png").string()});
+  if (result.exit_code != 0)
+    throw Error(Fault::bad_data, {clip.string(), "is no clip that ffmpeg reads",
+                                  result.messages.substr(0, result.messages.find('\n')), "give another file"});
+}
+
 }  // namespace umax

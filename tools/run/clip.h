@@ -36,4 +36,8 @@ void encode_clip(const std::filesystem::path& clip, std::size_t count, const Pic
 void encode_clip(const std::filesystem::path& clip, const std::vector<std::filesystem::path>& pictures,
                  const ClipOptions& options);
 
+/// Writes the frames of a clip of any kind that ffmpeg reads as 0001.png, 0002.png … into a folder that is there. Throws
+/// Error: unavailable (69) without ffmpeg, bad_data for what is no clip.
+void decode_clip(const std::filesystem::path& clip, const std::filesystem::path& folder);
+
 }  // namespace umax
