@@ -27,6 +27,21 @@ struct DirectionKind {
   std::string type() const { return kind.type(); }
 };
 
+// A word; true and false are what they were before there were words.
+struct NoiseFilterKind {
+  using Value = NoiseFilter;
+  ChoiceKind<NoiseFilter> words{
+      {{"temporal", NoiseFilter::temporal}, {"spatial", NoiseFilter::spatial}, {"none", NoiseFilter::none}}};
+  Value read(const SceneValue& value) const {
+    if (const bool* flag = value.as<bool>()) return *flag ? NoiseFilter::spatial : NoiseFilter::none;
+    if (const auto* text = value.as<std::string>(); text && *text == "oidn")
+      throw value_error(value, "is not in this version, which has filters of its own", "write \"temporal\"");
+    return words.read(value);
+  }
+  std::string write(Value filter) const { return words.write(filter); }
+  std::string type() const { return words.type(); }
+};
+
 // Part of the sky if it is of that kind, else null.
 template <class Kind, class T>
 auto sky_part(T Kind::* member) {
@@ -182,7 +197,10 @@ SceneSection render_section() {
       "then the most; 0: all are taken (embree)");
   keys.add("bounces", IntegerKind{.low = 0, .high = 1000}, UMAX_FIELD(bounces),
            "reflections of a path, at most (embree)");
-  keys.add("denoise", FlagKind(), UMAX_FIELD(denoise), "feature-guided filter (embree)");
+  keys.add("denoise", NoiseFilterKind(), UMAX_FIELD(denoise),
+           "what takes out the noise: spatial, a filter guided by what is seen; temporal, the same after light was "
+           "gathered from the two pictures before and the two after, where they show the same points under the same "
+           "light; true is spatial, false none (embree)");
   keys.add("preview", FlagKind(), UMAX_FIELD(preview),
            "as fast as it goes, for a look at the motion: four paths a pixel and one bounce at most "
            "(embree)");

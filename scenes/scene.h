@@ -199,13 +199,19 @@ enum class Heatmap {
 };
 /// What NNNN.exr can hold beside the colour, for compositing.
 enum class PictureLayer { albedo, normal, depth, position, vector, object, energy, cryptomatte, noise };
+/// What takes the noise out of pictures (embree).
+enum class NoiseFilter {
+  none,
+  spatial,   // of each picture by itself
+  temporal,  // with the pictures around it, where they show the same
+};
 struct RenderDescription {
   RenderEngine engine = RenderEngine::embree;
   int width = 1280, height = 720;  // [px]
   int samples = 64;                // paths a pixel (embree), at most where noise is given
   double noise = 0;                // [-] standard error that is enough (embree); 0: all samples are taken
   int bounces = 4;
-  bool denoise = true;   // feature-guided filter (embree)
+  NoiseFilter denoise = NoiseFilter::temporal;
   bool preview = false;  // as fast as it goes (embree): few paths and bounces
   unsigned seed = 1;
   Heatmap heatmap = Heatmap::none;

@@ -10,21 +10,17 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/base/srgb.h"
 
 namespace umax {
 namespace {
 
-constexpr int tile_size = 64;     // [px]
-constexpr int window_radius = 7;  // [px] of the window that a pixel draws from
-constexpr int patch_radius = 2;   // [px]
+constexpr int tile_size = 64;    // [px]
+constexpr int most_radius = 7;   // [px] of the window that a pixel draws from
+constexpr int patch_radius = 2;  // [px]
 constexpr float normal_tolerance = 0.10f;
 constexpr float albedo_tolerance = 0.10f;
 constexpr float depth_tolerance = 0.01f;  // of the depth itself
 constexpr float color_tolerance = 0.45f;  // in standard deviations of a patch's noise
-constexpr float least_albedo = 0.02f;
-
-using Plane = std::vector<float>;
 
 // the picture as planes of one size
 struct Planes {
@@ -41,10 +37,6 @@ struct Planes {
   }
   std::size_t size() const { return std::size_t(width) * height; }
 };
-
-float luminance_of(const float* p) {
-  return luminance(p[0], p[1], p[2]);
-}
 
 // mean over a square of (2 radius + 1)^2 pixels, smaller at the border
 Plane box_mean(const Plane& in, int width, int height, int radius) {
@@ -77,64 +69,9 @@ Plane box_mean(const Plane& in, int width, int height, int radius) {
   return out;
 }
 
-// what is told about the noise of single pixels: squares of luminance of light
-struct Noise {
-  Plane of_paths;   // variance of the mean, as the paths tell it
-  Plane of_halves;  // squared difference between all paths and every second one
-};
-
-Noise measure_noise(const TracedImage& traced) {
-  const std::size_t count = traced.variance.values.size();
-  Noise noise{.of_paths = Plane(count), .of_halves = Plane(count)};
-  for (std::size_t i = 0; i < count; ++i) {
-    const float albedo = std::max(luminance_of(&traced.albedo.values[3 * i]), least_albedo);
-    const float all = luminance_of(&traced.color.values[3 * i]), half = luminance_of(&traced.half.values[3 * i]);
-    noise.of_paths[i] = traced.variance.values[i] / (albedo * albedo);
-    noise.of_halves[i] = (all - half) * (all - half) / (albedo * albedo);
-  }
-  return noise;
-}
-
-// third largest value among the 24 pixels around one
-float third_around(const Plane& values, int width, int height, int x, int y) {
-  float largest = 0, second = 0, third = 0;
-  for (int row = std::max(y - 2, 0); row <= std::min(y + 2, height - 1); ++row) {
-    for (int column = std::max(x - 2, 0); column <= std::min(x + 2, width - 1); ++column) {
-      if (row == y && column == x) continue;
-      const float value = values[std::size_t(row) * width + column];
-      const float below = std::min(value, largest), lower = std::min(below, second);
-      largest = std::max(largest, value);
-      second = std::max(second, below);
-      third = std::max(third, lower);
-    }
-  }
-  return third;
-}
-
-// One path that happens on a small bright light makes a spark that no mean of a window takes away. A pixel that stands
-// out from all around it by no more than its own noise explains is lowered to them.
-void lower_sparks(Planes& planes, Noise& noise) {
-  Plane light(planes.size());
-  for (std::size_t i = 0; i < planes.size(); ++i)
-    light[i] = luminance(planes.light[0][i], planes.light[1][i], planes.light[2][i]);
-  parallel_blocks(planes.height, 16, [&](Eigen::Index begin, Eigen::Index end) {
-    for (int y = int(begin); y < int(end); ++y) {
-      for (int x = 0; x < planes.width; ++x) {
-        const std::size_t i = std::size_t(y) * planes.width + x;
-        const float around = third_around(light, planes.width, planes.height, x, y), excess = light[i] - around;
-        if (!(excess > 0.3f * around) || !(excess * excess < 9 * noise.of_paths[i])) continue;
-        const float scale = around / light[i];
-        for (Plane& plane : planes.light) plane[i] *= scale;
-        noise.of_paths[i] *= scale * scale;
-        noise.of_halves[i] *= scale * scale;
-      }
-    }
-  });
-}
-
 // The paths' own variance overstates the noise of well spread samples. The two halves of the paths tell by how much,
 // pixel by pixel too noisily, over a neighbourhood well [Rousselle et al. 2012].
-void estimate_variance(const Noise& noise, Planes& planes) {
+void estimate_variance(const NoisyLight& noise, Planes& planes) {
   const Plane paths_near = box_mean(noise.of_paths, planes.width, planes.height, 1);
   const Plane paths_around = box_mean(noise.of_paths, planes.width, planes.height, 8);
   const Plane halves_around = box_mean(noise.of_halves, planes.width, planes.height, 8);
@@ -150,33 +87,30 @@ float one_sided(float before, float here, float after) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-void fill_slopes(Planes& p) {
-  for (int y = 0; y < p.height; ++y) {
-    for (int x = 0; x < p.width; ++x) {
-      const std::size_t i = std::size_t(y) * p.width + x;
-      const auto at = [&](int column, int row) {
-        return p.depth[std::size_t(std::clamp(row, 0, p.height - 1)) * p.width + std::clamp(column, 0, p.width - 1)];
-      };
-      p.slope_x[i] = one_sided(at(x - 1, y), p.depth[i], at(x + 1, y));
-      p.slope_y[i] = one_sided(at(x, y - 1), p.depth[i], at(x, y + 1));
-    }
+void fill_slopes(Planes& p, int y) {
+  for (int x = 0; x < p.width; ++x) {
+    const std::size_t i = std::size_t(y) * p.width + x;
+    const auto at = [&](int column, int row) {
+      return p.depth[std::size_t(std::clamp(row, 0, p.height - 1)) * p.width + std::clamp(column, 0, p.width - 1)];
+    };
+    p.slope_x[i] = one_sided(at(x - 1, y), p.depth[i], at(x + 1, y));
+    p.slope_y[i] = one_sided(at(x, y - 1), p.depth[i], at(x, y + 1));
   }
 }
 
-Planes split(const TracedImage& traced) {
-  Planes planes(traced.color);
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      planes.albedo[c][i] = traced.albedo.values[3 * i + c];
-      planes.light[c][i] = traced.color.values[3 * i + c] / std::max(planes.albedo[c][i], least_albedo);
-      planes.normal[c][i] = traced.normal.values[3 * i + c];
-    }
-    planes.depth[i] = traced.depth.values[i];
-  }
-  Noise noise = measure_noise(traced);
-  lower_sparks(planes, noise);
-  estimate_variance(noise, planes);
-  fill_slopes(planes);
+Planes split(const TracedImage& guides, const NoisyLight& light) {
+  Planes planes(guides.albedo);
+  planes.light = light.light;
+  planes.depth = guides.depth.values;
+  estimate_variance(light, planes);
+  parallel_blocks(planes.height, 16, [&](Eigen::Index begin, Eigen::Index end) {
+    for (std::size_t i = std::size_t(begin) * planes.width; i < std::size_t(end) * planes.width; ++i)
+      for (int c = 0; c < 3; ++c) {
+        planes.albedo[c][i] = guides.albedo.values[3 * i + c];
+        planes.normal[c][i] = guides.normal.values[3 * i + c];
+      }
+    for (Eigen::Index y = begin; y < end; ++y) fill_slopes(planes, int(y));
+  });
   return planes;
 }
 
@@ -192,7 +126,8 @@ float falling_exponential(float x) {
 // One tile with a border for window and patches, in buffers of its own.
 class Tile {
  public:
-  Tile(const Planes& planes, int left, int top, float noise_scale) {
+  Tile(const Planes& planes, int left, int top, float noise_scale, int radius)
+      : radius_(std::min(radius, most_radius)) {
     for (int c = 0; c < 3; ++c) {
       cut(planes, planes.light[c], left, top, light_[c]);
       cut(planes, planes.normal[c], left, top, normal_[c]);
@@ -208,13 +143,29 @@ class Tile {
   }
 
   void filter() {
-    for (int dy = -window_radius; dy <= window_radius; ++dy)
-      for (int dx = -window_radius; dx <= window_radius; ++dx) add_offset(dx, dy);
+    if (is_clean()) return keep();
+    for (int dy = -radius_; dy <= radius_; ++dy)
+      for (int dx = -radius_; dx <= radius_; ++dx) add_offset(dx, dy);
   }
 
   float value(int c, int x, int y) const { return sums_[c][y * tile_size + x] / weights_[y * tile_size + x]; }
 
  private:
+  /// Whether nothing tells that any of its pixels is noisy.
+  bool is_clean() const {
+    for (int y = border_; y < border_ + tile_size; ++y)
+      for (int x = border_; x < border_ + tile_size; ++x)
+        if (variance_[std::size_t(y) * stride_ + x] > 0) return false;
+    return true;
+  }
+  void keep() {
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < tile_size; ++y)
+        std::copy_n(&light_[c][std::size_t(y + border_) * stride_ + border_], tile_size,
+                    &sums_[c][std::size_t(y) * tile_size]);
+    weights_.assign(weights_.size(), 1.0f);
+  }
+
   void cut(const Planes& planes, const Plane& from, int left, int top, Plane& to) const {
     to.resize(std::size_t(stride_) * stride_);
     for (int y = 0; y < stride_; ++y) {
@@ -283,8 +234,9 @@ class Tile {
   }
 
   static constexpr int rows_ = tile_size + 2 * patch_radius;
-  static constexpr int border_ = window_radius + patch_radius, stride_ = tile_size + 2 * border_;
+  static constexpr int border_ = most_radius + patch_radius, stride_ = tile_size + 2 * border_;
   static constexpr float tolerance2_ = color_tolerance * color_tolerance;
+  int radius_;
   std::array<Plane, 3> light_, normal_, albedo_, sums_;
   Plane variance_, depth_, slope_x_, slope_y_, weights_;
   Plane patch_ = Plane(std::size_t(rows_) * tile_size);  // sums along rows of patches
@@ -292,24 +244,28 @@ class Tile {
 
 }  // namespace
 
-Image denoise(const TracedImage& traced, const DenoiseOptions& options) {
-  const int width = traced.color.width, height = traced.color.height;
-  assert(traced.albedo.width == width && traced.depth.height == height);
-  Image result = traced.color;
-  if (!(options.strength > 0) || width == 0 || height == 0) return result;
-  const Planes planes = split(traced);
+Image denoise(const TracedImage& guides, const NoisyLight& light, const DenoiseOptions& options) {
+  const int width = guides.albedo.width, height = guides.albedo.height;
+  assert(light.width == width && light.height == height && guides.depth.height == height);
+  Image result(width, height);
+  if (width == 0 || height == 0) return result;
+  const Planes planes = split(guides, light);
   const int columns = (width + tile_size - 1) / tile_size, tiles = columns * ((height + tile_size - 1) / tile_size);
   parallel_blocks(tiles, 1, [&](Eigen::Index index, Eigen::Index) {
     const int left = int(index % columns) * tile_size, top = int(index / columns) * tile_size;
-    Tile tile(planes, left, top, options.strength * options.strength);
+    Tile tile(planes, left, top, options.strength * options.strength, options.radius);
     tile.filter();
     for (int y = 0; y < std::min(tile_size, height - top); ++y)
       for (int x = 0; x < std::min(tile_size, width - left); ++x)
         for (int c = 0; c < 3; ++c)
           result.pixel(left + x, top + y)[c] =
-              tile.value(c, x, y) * std::max(traced.albedo.pixel(left + x, top + y)[c], least_albedo);
+              tile.value(c, x, y) * std::max(guides.albedo.pixel(left + x, top + y)[c], least_albedo);
   });
   return result;
+}
+
+Image denoise(const TracedImage& traced, const DenoiseOptions& options) {
+  return options.strength > 0 ? denoise(traced, noisy_light(traced), options) : traced.color;
 }
 
 }  // namespace umax

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -40,18 +41,20 @@ class FlushDenormals {
 };
 
 PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options) {
-  PathTracer tracer{
-      .rays = rays,
-      .looks = {},
-      .lights = RectangleLights(scene.lights),
-      .sky = SkyLight(scene.sky),
-      .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
-      .cameras = {},
-      .has_shutter = false,
-      .keeps_parts = !options.mattes.empty() || has_shadow_catchers(scene),
-      .sequence = SampleSequence(options.noise > 0 ? (options.samples + 1) / 2 : options.samples, options.seed),
-      .filter = {},
-      .bounces = options.bounces};
+  const int in_sequence =
+      options.noise > 0 ? (options.samples + 1) / 2 : std::max(options.samples, options.edge_samples);
+  PathTracer tracer{.rays = rays,
+                    .looks = {},
+                    .lights = RectangleLights(scene.lights),
+                    .sky = SkyLight(scene.sky),
+                    .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
+                    .cameras = {},
+                    .has_shutter = false,
+                    .keeps_parts = !options.mattes.empty() || has_shadow_catchers(scene),
+                    .sequence = SampleSequence(in_sequence * options.blocks, options.seed),
+                    .first_sample = in_sequence * options.block,
+                    .filter = {},
+                    .bounces = options.bounces};
   for (const RenderObject& object : scene.objects)
     tracer.looks.push_back(make_bsdf_look(object.look, "object " + object.name));
   for (const Camera& camera : scene.camera_path)
@@ -112,10 +115,33 @@ void for_each_pixel(const TileArea& tile, std::array<Sums, tile_size * tile_size
       visit(column, row, sums[(row - tile.top) * tile_size + column - tile.left]);
 }
 
+// how many paths each pixel gets, where all are taken
+struct SampleCounts {
+  int usual, at_edges;
+  std::vector<char> edges;  // of the picture's pixels that are kept, or empty
+  int width;
+  int of(int column, int row) const {
+    return !edges.empty() && edges[std::size_t(row) * width + column] ? at_edges : usual;
+  }
+};
+
+SampleCounts count_samples(const PathTraceOptions& options, const Crop& crop) {
+  SampleCounts counts{options.samples, std::max(options.samples, options.edge_samples), {}, crop.x1 - crop.x0};
+  if (options.noise > 0 || options.edges.empty()) return counts;
+  assert(options.edges.size() == std::size_t(options.width) * options.height);
+  for (int row = crop.y0; row < crop.y1; ++row) {
+    const auto begin = options.edges.begin() + std::ptrdiff_t(row) * options.width;
+    counts.edges.insert(counts.edges.end(), begin + crop.x0, begin + crop.x1);
+  }
+  return counts;
+}
+
 // all paths of a tile, pixel after pixel
-void trace_tile(PathQueue& queue, const TileArea& tile, int samples, TracedImage& image) {
+void trace_tile(PathQueue& queue, const TileArea& tile, const SampleCounts& counts, TracedImage& image) {
   std::array<PixelSum, tile_size * tile_size> sums;
-  for_each_pixel(tile, sums, [&](int column, int row, PixelSum& sum) { queue.add(column, row, 0, 0, samples, sum); });
+  for_each_pixel(tile, sums, [&](int column, int row, PixelSum& sum) {
+    queue.add(column, row, 0, 0, counts.of(column, row), sum);
+  });
   queue.flush();
   for_each_pixel(tile, sums, [&](int column, int row, const PixelSum& sum) { store_pixel(sum, image, column, row); });
 }
@@ -150,6 +176,8 @@ void check(const PathTraceOptions& options, const Crop& crop) {
                                   .what = "must lie between 0 and 1",
                                   .value = std::to_string(options.noise),
                                   .remedy = ""});
+  if (options.blocks < 1 || options.block < 0 || options.block >= options.blocks)
+    fail("render.samples", "must be a block of the sequence", options.block);
   if (options.bounces < 0 || options.bounces > 1000)
     fail("render.bounces", "must lie between 0 and 1000", options.bounces);
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > options.width || crop.y1 > options.height || crop.x0 >= crop.x1 ||
@@ -213,6 +241,7 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
   const int width = crop.x1 - crop.x0, height = crop.y1 - crop.y0;
   TracedImage image = all_layers(scene, options, width, height);
   const EnoughSamples enough(options.noise, options.samples, scene.exposure_stops);
+  const SampleCounts counts = count_samples(options, crop);
   const Eigen::Index columns = (width + tile_size - 1) / tile_size,
                      tiles = columns * ((height + tile_size - 1) / tile_size);
   if (options.recording) options.recording->assign(tiles, {});
@@ -228,7 +257,7 @@ TracedImage path_trace(const RayScene& rays, const RenderScene& scene, const Pat
     if (options.noise > 0)
       trace_tile(queue, area, enough, image);
     else
-      trace_tile(queue, area, options.samples, image);
+      trace_tile(queue, area, counts, image);
     parts.store(image);
     caught.store(image);
     progress.add_one();

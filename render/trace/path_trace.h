@@ -23,10 +23,15 @@ struct PathTraceOptions {
   int width = 1280, height = 720;  // [px] of the whole picture
   int samples = 64;                // paths a pixel; powers of two are spread best
   double noise =
-      0;            // [-] standard error of a pixel's luminance as the screen shows it, over its value, that is enough:
-                    // `samples` are then the most; 0: all are taken
-  int bounces = 4;  // [-] times that light may bounce between surfaces; 0: direct light only
-  unsigned seed = 1;                             // another seed, other noise
+      0;  // [-] standard error of a pixel's luminance as the screen shows it, over its value, that is enough:
+          // `samples` are then the most; 0: all are taken
+  int edge_samples = 0;  // the least that pixels get which `edges` names (with noise 0); 0: as many as all others
+  std::vector<char> edges = {};  // of each pixel of the whole picture, as find_edges() has it; or empty: there are none
+  int bounces = 4;               // [-] times that light may bounce between surfaces; 0: direct light only
+  unsigned seed = 1;             // another seed, other noise
+  int block = 0,
+      blocks = 1;  // of a sequence that serves this many pictures, the part that is this one's: together they
+                   // are spread as well as one picture of all their samples
   std::vector<PartNumbers> mattes = {};          // what pixels show how much of, one way of numbering each
   std::optional<Crop> crop = {};                 // trace only this part: the same values as in the whole picture
   std::function<void(double)> on_progress = {};  // called with the done fraction, from one thread at a time

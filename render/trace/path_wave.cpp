@@ -24,7 +24,7 @@ void PathWave::Buffers::start(const std::vector<PathStart>& starts) {
       first_index = tracer.sequence.pixel_start(s.x, s.y);
       pixel_key = tracer.sequence.block_key(s.x, s.y);
     }
-    reversed_index[i] = reverse_bits(first_index + std::uint32_t(s.sample));
+    reversed_index[i] = reverse_bits(first_index + std::uint32_t(tracer.first_sample + s.sample));
     block_key[i] = pixel_key ^ SampleSequence::stream_key(s.stream);
     slot[i] = i;
     throughput.set(i, {1, 1, 1});

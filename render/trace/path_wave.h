@@ -23,6 +23,7 @@ struct PathTracer {
   bool has_shutter = false;         // whether anything moves
   bool keeps_parts = false;         // whether it is asked which surfaces paths met first
   SampleSequence sequence;
+  int first_sample = 0;  // of the picture, in the sequence
   PixelFilter filter;
   int bounces;
 };

@@ -9,20 +9,6 @@
 namespace umax {
 namespace {
 
-// a camera that tells where in the picture a point is
-struct Projection {
-  CameraView view;
-  float pixels_at_one = 1;  // [px] of a length at distance 1 along the line of sight
-
-  explicit Projection(const CameraView& view_) : view(view_), pixels_at_one(1 / view_.step_x.norm()) {}
-  float depth(const Vector3f& point) const { return (point - view.position).dot(view.forward); }
-  /// [px] right of and above the middle; of what is behind the camera nothing sensible.
-  Vector2f place(const Vector3f& point) const {
-    const Vector3f from = point - view.position;
-    return Vector2f(from.dot(view.right), from.dot(view.up)) * (pixels_at_one / from.dot(view.forward));
-  }
-};
-
 // the corners' share of a point on a triangle
 struct Corners {
   std::array<unsigned, 3> index;
@@ -59,7 +45,7 @@ Vector3f position_on(const TriangleMesh& mesh, const Corners& corners) {
 class Looker {
  public:
   Looker(const RayScene& rays, const RenderScene& scene, int width, int height)
-      : rays_(rays), scene_(scene), now_(view_now(scene, width, height)), previous_(now_), next_(now_) {
+      : rays_(rays), scene_(scene), now_(view_at_moment(scene, width, height)), previous_(now_), next_(now_) {
     if (scene.previous_camera) previous_ = Projection(make_camera_view(*scene.previous_camera, width, height));
     if (scene.next_camera) next_ = Projection(make_camera_view(*scene.next_camera, width, height));
   }
@@ -88,13 +74,6 @@ class Looker {
   }
 
  private:
-  static Projection view_now(const RenderScene& scene, int width, int height) {
-    std::vector<CameraView> views;
-    for (const Camera& camera : scene.camera_path) views.push_back(make_camera_view(camera, width, height));
-    return Projection(views.size() < 2 ? make_camera_view(scene.camera, width, height)
-                                       : camera_at(views, scene.moment));
-  }
-
   void store_motion(const RenderObject& object, const Corners& corners, const Vector3f& position, float* motion) const {
     const Vector3f before = object.previous ? position_on(*object.previous, corners) : position,
                    after = object.next ? position_on(*object.next, corners) : position;

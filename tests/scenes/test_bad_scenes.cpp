@@ -128,7 +128,8 @@ TEST_CASE("a bad line anywhere else is answered with its file, line, key and fau
       {"[render]\nsky = { kind = \"daylight\", sun_direction = [0, 0, 0] }", "test.toml:4: render.sky.sun_direction",
        "has no direction"},
       {"[render]\nheatmap = \"stress\"", "test.toml:4: render.heatmap", "must be one of"},
-      {"[render]\ndenoise = \"yes\"", "test.toml:4: render.denoise", "must be true or false"},
+      {"[render]\ndenoise = \"yes\"", "test.toml:4: render.denoise", "must be one of"},
+      {"[render]\ndenoise = \"oidn\"", "test.toml:4: render.denoise", "is not in this version"},
   }));
   CAPTURE(bad.line);
   const Failure failure = failure_of_text(ball + bad.line + "\n");

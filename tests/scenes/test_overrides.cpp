@@ -54,7 +54,7 @@ TEST_CASE("a --set takes quantities, words, numbers, lists and tables without qu
   CHECK(scene.solver.energy == EnergyMeasure::true_energy);
   CHECK(scene.clip.gravity == Vector3d(0, 0, 0));
   CHECK(scene.render.width == 640);
-  CHECK_FALSE(scene.render.denoise);
+  CHECK(scene.render.denoise == NoiseFilter::none);
   CHECK(scene.description == "a test of 5 things");
 }
 

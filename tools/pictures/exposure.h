@@ -24,12 +24,24 @@ Exposure exposure_of(const RenderDescription& render, int frame, int last_frame)
 /// The same without a first and a last frame: of a circle.
 Exposure endless_exposure(const RenderDescription& render, int frame);
 
-/// The states that a picture needs: those while its shutter is open and, where it has motion vectors, the frame's
+/// Frames before and after one that its noise filter looks at; 0: none.
+int filter_reach(const RenderDescription& render);
+
+/// The frames that a picture's noise filter looks at, within the clip.
+struct FrameWindow {
+  int first = 1, last = 1;
+};
+FrameWindow frames_for(const RenderDescription& render, int frame, int last_frame);
+
+/// The states that a frame's shot needs: those while its shutter is open and, where it has motion vectors, the frame's
 /// neighbours, within the clip.
 struct StateWindow {
   int first = 1, last = 1;
   bool operator==(const StateWindow&) const = default;
 };
+StateWindow states_of_shot(const RenderDescription& render, int frame, int last_frame);
+
+/// The states that its picture needs: of the shots of all frames that the filter looks at.
 StateWindow states_for(const RenderDescription& render, int frame, int last_frame);
 
 /// The last frame of a clip of `last_frame` frames that `count` states are enough for; 0: none.

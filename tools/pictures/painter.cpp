@@ -1,6 +1,7 @@
 #include "tools/pictures/painter.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -9,12 +10,14 @@
 #include "render/image/image_io.h"
 #include "render/raster/rasterize.h"
 #include "tools/pictures/traced_picture.h"
+#include "tools/system/signals.h"
 
 namespace umax {
 
 struct Painter::Engine {
   std::optional<Rasterizer> rasterizer;
   int threads = 0;
+  std::map<int, TracedShot> traced;  // by frame: what filters look at
 };
 
 namespace {
@@ -55,11 +58,44 @@ Painter::~Painter() = default;
 
 bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
   TracedPicture picture;
-  if (render_.engine == RenderEngine::embree)
-    picture = trace_picture(shot, render_);
-  else
+  if (render_.engine == RenderEngine::embree) {
+    TracedShot traced = trace_shot(shot, render_, {});
+    if (stop_flag()) return false;
+    picture = finish_picture(traced, render_, {}, 0);
+  } else {
     picture.layers.push_back({"", engine_->rasterizer->draw(shot, raster_options(render_, engine_->threads))});
+  }
+  return write(picture, shot, png);
+}
 
+bool Painter::paint(const PictureList& list, int frame, const std::filesystem::path& png) {
+  const FrameWindow window = list.window(frame);
+  if (window.first == window.last) return paint(list.shot(frame), png);
+  std::map<int, TracedShot>& traced = engine_->traced;
+  traced.erase(traced.begin(), traced.lower_bound(window.first));
+  traced.erase(traced.upper_bound(window.last), traced.end());
+  std::vector<const ClipFrame*> frames;
+  for (int k = window.first; k <= window.last; ++k) {
+    if (!traced.count(k)) {
+      const bool is_drawn = std::binary_search(list.frames.begin(), list.frames.end(), k);
+      TracedShot shot = trace_shot(is_drawn ? list.shot(k) : list.beside(k), render_, k);
+      if (stop_flag()) return false;
+      traced.emplace(k, std::move(shot));
+    }
+    if (const auto& of_frame = traced.at(k).frame) frames.push_back(&*of_frame);
+  }
+  TracedShot& centre = traced.at(frame);
+  TracedPicture picture = finish_picture(centre, render_, frames, std::size_t(frame - window.first));
+  const bool written = write(picture, centre.shot, png);
+  // its neighbours to come need no more of it
+  centre.image = {};
+  centre.shot = {};
+  centre.data.reset();
+  centre.frame->places = {};
+  return written;
+}
+
+bool Painter::write(TracedPicture& picture, const RenderScene& shot, const std::filesystem::path& png) const {
   if (picture.layers.empty()) return false;
   if (render_.writes_exr()) {
     std::filesystem::path exr = png;

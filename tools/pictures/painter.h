@@ -2,12 +2,24 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "render/scene/render_scene.h"
-#include "scenes/scene.h"
+#include "tools/pictures/exposure.h"
 
 namespace umax {
+
+struct TracedPicture;
+
+/// What is drawn as which picture.
+struct PictureList {
+  std::vector<int> frames;                       // numbers of the pictures, increasing
+  std::function<RenderScene(int frame)> shot;    // of one that is drawn; throws Error when it cannot be had
+  std::function<RenderScene(int frame)> beside;  // of one that the filter of another looks at
+  std::function<FrameWindow(int frame)> window;  // the frames that the filter looks at
+};
 
 /// Draws one picture after the other; keeps what the engine can use again.
 class Painter {
@@ -21,9 +33,12 @@ class Painter {
   /// Draws the shot and puts it at `png` (and beside it as .exr when the scene asks for it), whole or not at all.
   /// False, and no file, when a signal asks us to stop meanwhile.
   bool paint(const RenderScene& shot, const std::filesystem::path& png);
+  /// The same of a frame of the list. What frames that follow will look at is kept until then.
+  bool paint(const PictureList& list, int frame, const std::filesystem::path& png);
 
  private:
   struct Engine;
+  bool write(TracedPicture& picture, const RenderScene& shot, const std::filesystem::path& png) const;
   RenderDescription render_;
   std::unique_ptr<Engine> engine_;
 };

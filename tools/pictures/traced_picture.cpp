@@ -17,7 +17,15 @@ namespace {
 // of a preview
 constexpr int preview_samples = 4, preview_bounces = 1;
 
-PathTraceOptions trace_options(const RenderDescription& render) {
+// that a filter looks at: they share one sequence of samples, so that all of them together are spread well, and what stands
+// still is drawn from the same samples in every frame
+constexpr int filter_frames = 5;
+// of pixels that edges cross, where other frames help with all others, but not with the shape of what moves
+constexpr int edge_samples = 16;
+// [px] that the filter draws from once light was gathered over frames: little noise is left
+constexpr int gathered_radius = 4;
+
+PathTraceOptions trace_options(const RenderDescription& render, std::optional<int> frame) {
   PathTraceOptions options;
   options.width = render.width;
   options.height = render.height;
@@ -25,6 +33,11 @@ PathTraceOptions trace_options(const RenderDescription& render) {
   options.noise = render.preview ? 0 : render.noise;
   options.bounces = render.preview ? std::min(render.bounces, preview_bounces) : render.bounces;
   options.seed = render.seed;
+  if (frame) {
+    options.block = (*frame % filter_frames + filter_frames) % filter_frames;
+    options.blocks = filter_frames;
+    options.edge_samples = edge_samples;
+  }
   options.stop = &stop_flag();
   return options;
 }
@@ -90,10 +103,7 @@ Eigen::Matrix4f picture_matrix(const CameraView& view, int width, int height) {
 }
 
 void describe(const RenderScene& shot, const RenderDescription& render, ExrHeader& header) {
-  std::vector<CameraView> views;
-  for (const Camera& camera : shot.camera_path) views.push_back(make_camera_view(camera, render.width, render.height));
-  const CameraView view =
-      views.size() < 2 ? make_camera_view(shot.camera, render.width, render.height) : camera_at(views, shot.moment);
+  const CameraView view = view_at_moment(shot, render.width, render.height);
   header.is_rec709 = true;
   header.world_to_camera = camera_matrix(view);
   header.world_to_ndc = picture_matrix(view, render.width, render.height);
@@ -108,12 +118,11 @@ void add_guides(TracedImage& traced, const RenderDescription& render, TracedPict
   if (render.noise > 0) picture.layers.push_back({"samples", std::move(traced.samples)});
 }
 
-void add_layers(const RayScene& rays, const RenderScene& shot, const RenderDescription& render, TracedImage& traced,
-                TracedPicture& picture) {
+void add_layers(const TracedShot& shot, const RenderDescription& render, TracedImage& traced, TracedPicture& picture) {
   const auto add = [&](PictureLayer layer, const char* name, Image& image) {
     if (render.has_layer(layer)) picture.layers.push_back({name, std::move(image)});
   };
-  SurfaceData data = find_surface_data(rays, shot, render.width, render.height);
+  SurfaceData data = *shot.data;
   add(PictureLayer::albedo, "Albedo", traced.albedo);
   add(PictureLayer::normal, "N", traced.normal);
   add(PictureLayer::depth, "Z", data.depth);
@@ -123,39 +132,75 @@ void add_layers(const RayScene& rays, const RenderScene& shot, const RenderDescr
   add(PictureLayer::energy, "EnergyRatio.X", data.value);
   add(PictureLayer::noise, "variance.X", traced.variance);
   add(PictureLayer::noise, "samples.X", traced.samples);
-  describe(shot, render, picture.header);
+  describe(shot.shot, render, picture.header);
+}
+
+/// Few paths do not make up for the time that a good hierarchy takes. Rays meet the same in both.
+HierarchyBuild hierarchy_for(const RenderScene& shot, const RenderDescription& render) {
+  constexpr double paths_per_triangle = 12;
+  double triangles = 0;
+  for (const RenderObject& object : shot.objects) triangles += double(object.mesh->num_triangles());
+  const double paths = double(render.width) * render.height * render.samples;
+  return render.preview || paths < paths_per_triangle * triangles ? HierarchyBuild::fast : HierarchyBuild::good;
 }
 
 }  // namespace
 
-TracedPicture trace_picture(const RenderScene& shot, const RenderDescription& render) {
-  const RayScene rays(shot, render.preview ? HierarchyBuild::fast : HierarchyBuild::good);
-  PathTraceOptions options = trace_options(render);
-  Parts parts;
+Image filter_gathered(const TracedImage& image, const std::vector<const ClipFrame*>& window, std::size_t centre) {
+  return denoise(image, gather_light(window, centre), {.radius = gathered_radius});
+}
+
+TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::optional<int> frame) {
+  const RayScene rays(shot, hierarchy_for(shot, render));
+  PathTraceOptions options = trace_options(render, frame);
+  TracedShot traced;
   if (render.has_layer(PictureLayer::cryptomatte)) {
-    parts = parts_of(shot);
-    options.mattes = parts.numbers;
+    Parts parts = parts_of(shot);
+    options.mattes = std::move(parts.numbers);
+    traced.object_names = std::move(parts.objects);
+    traced.material_names = std::move(parts.materials);
   }
-  const bool is_cut_out = shot.transparent || has_shadow_catchers(shot);
-  TracedImage traced = path_trace(rays, is_cut_out ? made_transparent(shot) : shot, options);
+  traced.is_cut_out = shot.transparent || has_shadow_catchers(shot);
+  std::vector<Hit> hits;
+  if (frame) {
+    hits = find_first_hits(rays, shot, render.width, render.height);
+    options.edges = find_edges(rays, hits, render.width, render.height);
+  }
+  traced.image = path_trace(rays, traced.is_cut_out ? made_transparent(shot) : shot, options);
+  if (stop_flag()) return traced;
+  if (frame) {
+    traced.frame = make_clip_frame(hits, shot, traced.image);
+    traced.image.color = traced.image.half = {};  // which the clip's frame has; several wait for their turn
+  }
+  if (!render.layers.empty()) traced.data = find_surface_data(rays, shot, render.width, render.height);
+  traced.shot = std::move(shot);
+  return traced;
+}
+
+TracedPicture finish_picture(TracedShot& traced, const RenderDescription& render,
+                             const std::vector<const ClipFrame*>& window, std::size_t centre) {
   TracedPicture picture;
-  if (stop_flag()) return picture;
-  if (is_cut_out)
-    finish_cut_out(shot, options, render.denoise, traced);
-  else if (render.denoise)
-    traced.color = denoise(traced);
+  const bool denoised = render.denoise != NoiseFilter::none;
+  TracedImage& image = traced.image;
+  if (traced.is_cut_out)
+    finish_cut_out(traced.shot, trace_options(render, {}), denoised, image);
+  else if (traced.frame)
+    image.color = filter_gathered(image, window, centre);
+  else if (denoised)
+    image.color = denoise(image);
   if (stop_flag()) return picture;
   const bool has_layers = !render.layers.empty();
-  if (has_layers && !render.transparent) std::fill(traced.alpha.values.begin(), traced.alpha.values.end(), 1.0f);
+  if (has_layers && !render.transparent) std::fill(image.alpha.values.begin(), image.alpha.values.end(), 1.0f);
   const bool has_alpha = has_layers || render.transparent;
-  picture.layers.push_back({"", has_alpha ? with_alpha(traced.color, traced.alpha) : std::move(traced.color)});
+  picture.layers.push_back({"", has_alpha ? with_alpha(image.color, image.alpha) : std::move(image.color)});
+  const std::vector<Image> mattes = std::move(image.mattes);
   if (has_layers)
-    add_layers(rays, shot, render, traced, picture);
+    add_layers(traced, render, image, picture);
   else if (render.exr)
-    add_guides(traced, render, picture);
-  if (!options.mattes.empty()) {
-    add_cryptomatte("CryptoObject", parts.objects, traced.mattes[0], picture);
-    add_cryptomatte("CryptoMaterial", parts.materials, traced.mattes[1], picture);
+    add_guides(image, render, picture);
+  if (!mattes.empty()) {
+    add_cryptomatte("CryptoObject", traced.object_names, mattes[0], picture);
+    add_cryptomatte("CryptoMaterial", traced.material_names, mattes[1], picture);
   }
   return picture;
 }

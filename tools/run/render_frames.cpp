@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -10,7 +11,6 @@
 #include "core/files/sha256.h"
 #include "scenes/resolved_scene.h"
 #include "tools/pictures/motion_blur.h"
-#include "tools/pictures/painter.h"
 #include "tools/run/clip.h"
 #include "tools/run/frame_list.h"
 #include "tools/system/signals.h"
@@ -94,6 +94,12 @@ std::vector<State> read_states(const Simulation& simulation, const std::filesyst
   return states;
 }
 
+/// Whether pictures show shadows alone of anything: each is then filtered by itself.
+bool has_catchers(const Scene& scene) {
+  return std::any_of(scene.obstacles.begin(), scene.obstacles.end(),
+                     [](const ObstacleDescription& obstacle) { return obstacle.visible && obstacle.shadow_catcher; });
+}
+
 }  // namespace
 
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
@@ -111,20 +117,29 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
     const Scene& scene = simulation.scene;
     return frame_camera(scene.camera, box, aspect_of(scene.render), (frame - 1) / scene.clip.fps);
   };
-  pictures.list.shot = [&simulation, run, camera_at, stage](int frame) {
-    const Exposure exposure = exposure_of(simulation.scene.render, frame, simulation.last_frame());
-    const StateWindow window = states_for(simulation.scene.render, frame, simulation.last_frame());
+  const auto shot = [&simulation, run, camera_at, stage](int frame, const RenderDescription& wanted) {
+    const Exposure exposure = exposure_of(wanted, frame, simulation.last_frame());
+    const StateWindow window = states_of_shot(wanted, frame, simulation.last_frame());
     const std::vector<State> states = read_states(simulation, run, window);
     const auto state_of = [&](int number) { return states.begin() + (number - window.first); };
     RenderScene shot = make_shot(simulation, *stage, *state_of(frame), camera_at(frame));
     add_motion(simulation, *stage, {state_of(exposure.first_state()), state_of(exposure.last_state()) + 1}, exposure,
                frame, shot);
-    add_neighbours(simulation, *stage, states, window, frame, shot);
+    if (wanted.has_layer(PictureLayer::vector)) add_neighbours(simulation, *stage, states, window, frame, shot);
     if (!simulation.scene.camera.moves()) return shot;
     add_camera_motion(exposure, camera_at, shot);
     if (window.first < frame) shot.previous_camera = camera_at(frame - 1);
     if (window.last > frame) shot.next_camera = camera_at(frame + 1);
     return shot;
+  };
+  pictures.list.shot = [shot, &simulation](int frame) { return shot(frame, simulation.scene.render); };
+  pictures.list.beside = [shot, without_layers = render](int frame) mutable {
+    without_layers.layers.clear();
+    return shot(frame, without_layers);
+  };
+  pictures.list.window = [&simulation](int frame) {
+    const Scene& scene = simulation.scene;
+    return has_catchers(scene) ? FrameWindow{frame, frame} : frames_for(scene.render, frame, simulation.last_frame());
   };
   return pictures;
 }
@@ -158,6 +173,10 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
     shot.moment = float(simulation.scene.render.shutter_position);
     return shot;
   };
+  // the circle has no end
+  pictures.list.beside = pictures.list.shot;
+  const int reach = has_catchers(simulation.scene) ? 0 : filter_reach(simulation.scene.render);
+  pictures.list.window = [reach](int frame) { return FrameWindow{frame - reach, frame + reach}; };
   return pictures;
 }
 
@@ -175,7 +194,7 @@ RenderResult render_pictures(const PictureList& list, const RenderDescription& r
   progress.begin("render", int(list.frames.size()), result.pictures);
   for (const int frame : missing) {
     if (stop_signal() != 0) break;
-    if (!painter.paint(list.shot(frame), folder.picture(frame))) continue;  // stopped: the loop ends above
+    if (!painter.paint(list, frame, folder.picture(frame))) continue;  // stopped: the loop ends above
     ++result.pictures;
     progress.frame_done(frame);
   }

@@ -2,21 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "tools/pictures/painter.h"
 #include "tools/pictures/shot.h"
 #include "tools/run/run_folder.h"
 #include "tools/system/progress.h"
 
 namespace umax {
-
-/// What is drawn as which picture.
-struct PictureList {
-  std::vector<int> frames;                     // numbers of the pictures, increasing
-  std::function<RenderScene(int frame)> shot;  // throws Error when it cannot be had
-};
 
 struct RenderResult {
   int pictures = 0;  // that are there
