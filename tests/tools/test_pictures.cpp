@@ -137,6 +137,34 @@ TEST_CASE("a turntable needs no states, and goes round a chosen one") {
                      four_frames) == 66);
 }
 
+TEST_CASE("pictures drawn in parts make the clip that they make in one go") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_scene(folder, block_scene()), whole = folder / "whole", parts = folder / "parts";
+  const Words set{"--set", "clip.frames=4"};
+  REQUIRE(exit_code_of(Words{"run", scene.string(), "-o", whole.string()} + set) == 0);
+  REQUIRE(exit_code_of(Words{"simulate", scene.string(), "-o", parts.string()} + set) == 0);
+  CHECK(exit_code_of({"encode", parts.string()}) == 66);
+  const auto draw = [&](const std::string& frames) {
+    return exit_code_of({"render", parts.string(), "--resume", "--no-clip", "--frames", frames});
+  };
+  REQUIRE(draw("3-4") == 0);
+  CHECK(exit_code_of({"encode", parts.string()}) == 66);
+  CHECK(!fs::exists(parts / "clip.mp4"));
+  REQUIRE(draw("1-2") == 0);
+  CHECK(!fs::exists(parts / "clip.mp4"));
+  REQUIRE(exit_code_of({"encode", parts.string()}) == 0);
+  CHECK(file_text(parts / "clip.mp4") == file_text(whole / "clip.mp4"));
+  REQUIRE(exit_code_of({"encode", parts.string(), "--frames", "2-3"}) == 0);
+  CHECK(file_text(parts / "clip.mp4") != file_text(whole / "clip.mp4"));
+  CHECK(exit_code_of({"encode", (folder / "nothing").string()}) == 66);
+  make_file(parts / "frames/0002.png", "no picture");
+  CHECK(exit_code_of({"encode", parts.string()}) == 65);
+  // without a clip a picture may have any size
+  CHECK(exit_code_of(Words{"run", scene.string(), "-o", (folder / "odd").string(), "--no-clip", "--size", "33x19"} +
+                     set) == 0);
+  CHECK(!fs::exists(folder / "odd/clip.mp4"));
+}
+
 TEST_CASE("damaged pictures are not encoded") {
   const TemporaryFolder folder;
   const fs::path scene = write_scene(folder, block_scene()), run = folder / "run";

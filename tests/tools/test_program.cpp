@@ -179,6 +179,31 @@ TEST_CASE("a missing ffmpeg is found out before the first step") {
   CHECK(!fs::exists(folder / "run"));
 }
 
+TEST_CASE("umax doctor tells what is there, what is missing, and how to mend it") {
+  const TemporaryFolder folder;
+  const auto doctor = [&](const Words& environment) {
+    return run_process(Words{"env"} + environment + Words{UMAX_PROGRAM, "doctor", "-o", folder.path().string()});
+  };
+  const ProcessResult whole = doctor({});
+  CAPTURE(whole.output, whole.messages);
+  CHECK(whole.exit_code == 0);
+  for (const std::string name : {"processor", "memory", "files", "encoder", "rasteriser", "importer", "font", "plots"})
+    CHECK(whole.output.find(name) != std::string::npos);
+  CHECK(whole.output.find("MISSING") == std::string::npos);
+  CHECK(fs::is_empty(folder.path()));  // it leaves nothing
+  for (const auto& [environment, word] :
+       std::vector<std::pair<std::string, std::string>>{{"PATH=/nowhere", "apt-get install ffmpeg"},
+                                                        {"UMAX_JAVASCRIPT=/nowhere", "libjs-chart.js"},
+                                                        {"UMAX_THREE=/nowhere", "libjs-three"}}) {
+    const ProcessResult result = run_process({"/usr/bin/env", environment, UMAX_PROGRAM, "doctor"});
+    CAPTURE(environment, result.output);
+    CHECK(result.exit_code == 69);
+    CHECK(result.output.find("MISSING") != std::string::npos);
+    CHECK(result.output.find(word) != std::string::npos);
+  }
+  CHECK(exit_code_of({"doctor", "-o", "/nowhere"}) == 69);
+}
+
 TEST_CASE("odd sizes are refused before simulating when a clip is to be encoded") {
   const TemporaryFolder folder;
   const std::string scene = write_scene(folder, block_scene()).string();

@@ -55,6 +55,9 @@ Table run_table() {
       {.name = "--allow-overlap",
        .description = "start although bodies are deep inside each other (clip.allow_overlap)",
        .target = &Options::allow_overlap},
+      {.name = "--no-clip",
+       .description = "pictures alone, which umax encode makes the clip of",
+       .target = &Options::no_clip},
       {.name = "--quick",
        .description = "few samples and small pictures, for a first look",
        .target = &Options::quick}};

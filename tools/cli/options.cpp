@@ -77,7 +77,9 @@ std::vector<ExportOptions> job_exports(const Options& options) {
 int run_job(const Job& job, const Options& options) {
   const ThreadLimit threads(options.threads);
   Progress progress(stdout, progress_mode(options), options.quiet);
-  return do_job(job, run_options(options, threads.count()), progress);
+  Job wanted = job;
+  wanted.clip = job.clip && !options.no_clip;
+  return do_job(wanted, run_options(options, threads.count()), progress);
 }
 
 }  // namespace umax

@@ -68,8 +68,8 @@ Verb render_verb() {
               "into another folder.",
           .examples = {"umax render falling --overwrite --engine osmesa --set render.heatmap=energy"},
           .arguments = {.folders = true},
-          .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--engine", "--samples",
-                      "--size", "--seed", "--threads", "--progress", "--quiet", "--verbose"},
+          .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--no-clip", "--engine",
+                      "--samples", "--size", "--seed", "--threads", "--progress", "--quiet", "--verbose"},
           .run = render_run};
 }
 

@@ -27,8 +27,8 @@ Verb run_verb() {
                        "umax run beam --set body.beam.limit.energy=0.1J --set clip.frames=60"},
           .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
           .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--allow-overlap",
-                      "--quick", "--export", "--engine", "--samples", "--size", "--seed", "--threads", "--memory",
-                      "--progress", "--quiet", "--verbose"},
+                      "--quick", "--no-clip", "--export", "--engine", "--samples", "--size", "--seed", "--threads",
+                      "--memory", "--progress", "--quiet", "--verbose"},
           .run = run_scene};
 }
 

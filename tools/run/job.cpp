@@ -97,7 +97,7 @@ void check_before_start(const Job& job, const std::vector<int>& frames) {
     if (job.existing == ExistingFolder::keep)
       refuse_misfits(exports_path(job.folder), options, "remove it, or export with umax export and -o another folder");
   }
-  if (!job.pictures) return;
+  if (!job.pictures || !job.clip) return;
   require_even_size(job.scene.render.width, job.scene.render.height);
   require_clip_encoder();
 }
@@ -187,6 +187,7 @@ int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   record.render_seconds += seconds_since(start);
   hand.keeper.write();
   if (result.signal != 0) return result.signal;
+  if (!hand.job.clip) return 0;
 
   start = std::chrono::steady_clock::now();
   encode_pictures(hand.folder, pictures.list.frames, scene, hand.progress);

@@ -19,7 +19,8 @@ struct Job {
   std::filesystem::path folder;
   ExistingFolder existing = ExistingFolder::refuse;
   bool simulate = true;
-  bool pictures = true;                     // and the clip
+  bool pictures = true;
+  bool clip = true;                         // of the pictures
   bool replace_pictures = false;            // those that are there go first
   std::optional<int> default_frames;        // how many frames without --frames; unset: the clip's
   std::vector<ExportOptions> exports = {};  // of the states, once they are there
