@@ -16,6 +16,7 @@ namespace {
 
 RenderDescription with_shutter(double shutter, double position = 0.5) {
   RenderDescription render;
+  render.denoise = NoiseFilter::spatial;
   render.shutter = shutter;
   render.shutter_position = position;
   return render;

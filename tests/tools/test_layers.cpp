@@ -51,6 +51,7 @@ float largest_of(const Image& image, int channel) {
 
 TEST_CASE("motion vectors need the states beside a frame") {
   RenderDescription render;
+  render.denoise = NoiseFilter::spatial;
   CHECK(states_for(render, 5, 9) == StateWindow{5, 5});
   render.layers = {PictureLayer::vector};
   CHECK(states_for(render, 5, 9) == StateWindow{4, 6});

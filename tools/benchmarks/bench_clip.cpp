@@ -39,7 +39,7 @@ std::string reference_name(const fs::path& run) {
   std::string text = resolved_toml(scene);
   for (const int first : first_of_pairs)
     for (const int frame : {first, first + 1}) text += sha256_hex(read_file(state_path(run, frame)));
-  return "umax-bench-" + sha256_hex(text).substr(0, 16);
+  return "umax-references-" + sha256_hex(text).substr(0, 16);
 }
 
 // pictures of very many samples: they take minutes, so that they are kept until the scene changes

@@ -100,6 +100,37 @@ bool has_catchers(const Scene& scene) {
                      [](const ObstacleDescription& obstacle) { return obstacle.visible && obstacle.shadow_catcher; });
 }
 
+/// What shots of a run are made of.
+struct RunView {
+  const Simulation& simulation;
+  std::filesystem::path run;
+  Box box;  // around the motion
+  std::shared_ptr<const Stage> stage;
+
+  Camera camera_at(double frame) const {
+    const Scene& scene = simulation.scene;
+    return frame_camera(scene.camera, box, aspect_of(scene.render), (frame - 1) / scene.clip.fps);
+  }
+};
+
+/// wanted: as the scene has it, or without layers that need more states than the shot.
+RenderScene shot_of(const RunView& view, int frame, const RenderDescription& wanted) {
+  const Simulation& simulation = view.simulation;
+  const Exposure exposure = exposure_of(wanted, frame, simulation.last_frame());
+  const StateWindow window = states_of_shot(wanted, frame, simulation.last_frame());
+  const std::vector<State> states = read_states(simulation, view.run, window);
+  const auto state_of = [&](int number) { return states.begin() + (number - window.first); };
+  RenderScene shot = make_shot(simulation, *view.stage, *state_of(frame), view.camera_at(frame));
+  add_motion(simulation, *view.stage, {state_of(exposure.first_state()), state_of(exposure.last_state()) + 1}, exposure,
+             frame, shot);
+  if (wanted.has_layer(PictureLayer::vector)) add_neighbours(simulation, *view.stage, states, window, frame, shot);
+  if (!simulation.scene.camera.moves()) return shot;
+  add_camera_motion(exposure, [&](double place) { return view.camera_at(place); }, shot);
+  if (window.first < frame) shot.previous_camera = view.camera_at(frame - 1);
+  if (window.last > frame) shot.next_camera = view.camera_at(frame + 1);
+  return shot;
+}
+
 }  // namespace
 
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
@@ -113,29 +144,11 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   pictures.digest = picture_digest(
       simulation, "run " + camera_text(camera) + legend_text(*stage) + file_text(simulation.scene.camera));
   pictures.list.frames = frames;
-  const auto camera_at = [&simulation, box = motion.box](double frame) {
-    const Scene& scene = simulation.scene;
-    return frame_camera(scene.camera, box, aspect_of(scene.render), (frame - 1) / scene.clip.fps);
-  };
-  const auto shot = [&simulation, run, camera_at, stage](int frame, const RenderDescription& wanted) {
-    const Exposure exposure = exposure_of(wanted, frame, simulation.last_frame());
-    const StateWindow window = states_of_shot(wanted, frame, simulation.last_frame());
-    const std::vector<State> states = read_states(simulation, run, window);
-    const auto state_of = [&](int number) { return states.begin() + (number - window.first); };
-    RenderScene shot = make_shot(simulation, *stage, *state_of(frame), camera_at(frame));
-    add_motion(simulation, *stage, {state_of(exposure.first_state()), state_of(exposure.last_state()) + 1}, exposure,
-               frame, shot);
-    if (wanted.has_layer(PictureLayer::vector)) add_neighbours(simulation, *stage, states, window, frame, shot);
-    if (!simulation.scene.camera.moves()) return shot;
-    add_camera_motion(exposure, camera_at, shot);
-    if (window.first < frame) shot.previous_camera = camera_at(frame - 1);
-    if (window.last > frame) shot.next_camera = camera_at(frame + 1);
-    return shot;
-  };
-  pictures.list.shot = [shot, &simulation](int frame) { return shot(frame, simulation.scene.render); };
-  pictures.list.beside = [shot, without_layers = render](int frame) mutable {
+  const RunView view{.simulation = simulation, .run = run, .box = motion.box, .stage = stage};
+  pictures.list.shot = [view](int frame) { return shot_of(view, frame, view.simulation.scene.render); };
+  pictures.list.beside = [view, without_layers = render](int frame) mutable {
     without_layers.layers.clear();
-    return shot(frame, without_layers);
+    return shot_of(view, frame, without_layers);
   };
   pictures.list.window = [&simulation](int frame) {
     const Scene& scene = simulation.scene;
