@@ -91,7 +91,7 @@ Digest digest_of_files(const Session& session, const Scene& scene) {
 fs::path save_as(const Session& session, const fs::path& folder, const std::string& name, SessionFiles& files) {
   files = session_files(session, name + ".pulls");
   if (!files.pulls.empty()) write_file(folder / (name + ".pulls"), files.pulls);
-  const fs::path path = folder / (name + ".toml");
+  fs::path path = folder / (name + ".toml");
   write_file(path, scene_text(session, files));
   return path;
 }
@@ -137,7 +137,7 @@ std::optional<State> Recording::state(int frame) const {
 std::string Recording::new_name() const {
   std::error_code error;
   for (int number = 1;; ++number) {
-    const std::string name = fmt::format("session-{:02}", number);
+    std::string name = fmt::format("session-{:02}", number);
     if (!fs::exists(path() / (name + ".toml"), error) && !fs::exists(path() / name, error)) return name;
   }
 }

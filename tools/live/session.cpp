@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/files/sha256.h"
@@ -66,7 +67,7 @@ Pull pull_of(const Session& session, const Grab& grab) {
   const Model& model = session.simulation.model;
   const BodySetup& setup = session.simulation.bodies[std::size_t(grab.body)];
   const Model::BodyRange& body = model.bodies[std::size_t(grab.body)];
-  const double turns = 2 * EIGEN_PI * pull_frequency;
+  const double turns = 2 * std::numbers::pi * pull_frequency;
   const double mass = model.node_mass.segment(body.first_node, body.num_nodes).sum();
   Pull pull{.body = body.name, .hex = setup.embedding->hex[grab.vertex]};
   const Vector3d local = 2 * setup.embedding->local.row(grab.vertex).transpose().array() - 1;
