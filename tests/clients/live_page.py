@@ -207,6 +207,8 @@ def test_obstacle(page, pictures):
       at.project(camera);
       return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];"""
     canvas = page.browser.find_element(By.ID, "view")
+    page.click("restart")  # the ball may have rolled in front of it
+    until("a new start", lambda: page.frame("time") < 2 and page.is_playing())
     before = page.run(place)
     x, y = page.run(on_screen, before)
     ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
