@@ -37,7 +37,6 @@ int run_live(const Scene& scene, const LiveOptions& options, Progress& progress)
   check_live_folder(options.folder, options.existing);
   page_files();  // what is missing is found out before the cage is made
   Session session(scene);
-  session.most_rows = std::size_t(options.keep) * std::size_t(session.substeps());
   for (const std::string& warning : session.simulation.warnings) progress.warning(warning);
   Recording recording(options.folder, options.existing, options.keep);
 

@@ -30,6 +30,7 @@ LiveLoop::LiveLoop(Session& session, Recording& recording, LiveNews news, double
     : session_(session), recording_(recording), news_(std::move(news)) {
   pace_.time_step = session.simulation.options.time_step;
   pace_.slower = slower;
+  session.most_rows = std::size_t(recording.most_frames()) * std::size_t(session.substeps());
   session_.stepping.options.on_iteration = [this](const IterationReport&) {
     const std::lock_guard lock(mutex_);
     if (ends_) throw Ended{};

@@ -18,6 +18,7 @@ class Recording {
   Recording(const std::filesystem::path& path, ExistingFolder existing, int keep);
 
   const std::filesystem::path& path() const { return folder_.path(); }
+  int most_frames() const { return keep_; }
   int first_frame() const { return first_; }  // that is kept; 0: none
   int last_frame() const { return last_; }
 
