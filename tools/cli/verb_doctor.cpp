@@ -156,14 +156,15 @@ int examine(const Options& options) {
   if (!options.inputs.empty())
     throw Error(Fault::usage, {.what = "umax doctor takes no input", .remedy = "see umax help doctor"});
   const fs::path folder = options.output ? fs::path(*options.output) : fs::current_path();
-  fmt::print("umax {}\n", version_text());
+  if (!options.quiet) fmt::print("umax {}\n", version_text());
   bool all_there = true;
   const auto tell = [&](const char* name, const std::function<Finding()>& check) {
     const Finding found = found_by(check);
+    all_there = all_there && found.health != Health::missing;
+    if (options.quiet && found.health == Health::good) return;
     constexpr const char* marks[]{"ok", "poor", "MISSING"};
     fmt::print("{:<8} {:<11} {}\n", marks[int(found.health)], name, found.text);
     if (!found.remedy.empty()) fmt::print("{:<20} {}\n", "", found.remedy);
-    all_there = all_there && found.health != Health::missing;
   };
   tell("processor", look_at_processor);
   tell("memory", look_at_memory);
@@ -187,10 +188,10 @@ Verb doctor_verb() {
       .details =
           "Tries what umax needs of this machine: processor, memory, the folder's disk (the current one, or that of "
           "-o), ffmpeg, OSMesa, the program that reads foreign meshes, fonts and the libraries of pages. Exit code 69 "
-          "where anything is missing.",
+          "where anything is missing. --quiet tells only what is not well.",
       .examples = {"umax doctor"},
       .arguments = {},
-      .options = {"--output"},
+      .options = {"--output", "--quiet"},
       .run = examine};
 }
 
