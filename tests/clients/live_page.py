@@ -54,6 +54,17 @@ def until(what, check, seconds=20):
     raise AssertionError("waited in vain: " + what)
 
 
+def settled(value):
+    """what it tells once it tells the same for a while: a last picture may be on its way"""
+    last = value()
+    while True:
+        time.sleep(0.5)
+        now = value()
+        if now == last:
+            return now
+        last = now
+
+
 def check(what, is_so):
     if not is_so:
         raise AssertionError(what)
@@ -216,11 +227,17 @@ def test_obstacle(page, pictures):
     reach = page.run("return 0.7 * camera.position.distanceTo(handle.position) * handles.size / 7")
     x, y = page.run(on_screen, [before[0] + reach, before[1], before[2]])
     page.picture(pictures, "live-handles.png")
-    chain = ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).pause(0.3).click_and_hold()
-    for _ in range(5):
-        chain.move_by_offset(-12, 0).pause(0.1)
-    chain.release().perform()
-    until("the obstacle elsewhere", lambda: page.run(place)[0] < before[0] - 0.1)
+
+    def drag():  # again where the browser was too busy to see the pointer come before it was pressed
+        chain = ActionChains(page.browser).move_to_element_with_offset(canvas, int(x) + 3, int(y)).pause(0.5)
+        chain.move_to_element_with_offset(canvas, int(x), int(y)).pause(0.5).click_and_hold()
+        for _ in range(5):
+            chain.move_by_offset(-12, 0).pause(0.1)
+        chain.release().perform()
+        time.sleep(1)
+        return page.run(place)[0] < before[0] - 0.1
+
+    until("the obstacle elsewhere", drag)
     after = page.run(place)
     check("an obstacle is moved along its handle", abs(after[1] - before[1]) < 1e-3 and abs(after[2] - before[2]) < 1e-3)
     ActionChains(page.browser).move_to_element_with_offset(canvas, -380, -100).click().perform()
@@ -275,7 +292,7 @@ def test_saving(page, program, folder):
     if page.is_playing():
         page.click("play")
         until("a pause", lambda: not page.is_playing())
-    frames = page.frame("frame")
+    frames = settled(lambda: page.frame("frame"))
     page.click("save")
     until("the scene saved", lambda: "session-01.toml" in page.text("toast"))
     page.click("render")
