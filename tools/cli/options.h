@@ -24,7 +24,8 @@ struct Options {
   std::optional<int> still;           // --still: the frame that turntable circles
   std::optional<int> threads;
   std::optional<std::string> memory;  // "8G": parse_memory() reads it
-  bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false, no_clip = false, json = false;
+  bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false,
+       no_clip = false, json = false;
   bool allow_overlap = false;
   std::optional<std::string> progress;  // "auto" | "plain" | "json"
 
