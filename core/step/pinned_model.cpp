@@ -55,6 +55,10 @@ const Model& pinned_model(const Model& model, double time, Workspace::Data& work
 }
 
 MissedPins missed_pins(const Model& model, const StepOptions& options, const Points& positions, double time) {
+  const auto has_springs = [&](const Model::BodyRange& body) {
+    return body.pins && body.pins->has_springs(body.pins->active_at(time));
+  };
+  if (std::none_of(model.bodies.begin(), model.bodies.end(), has_springs)) return {};
   const StepPins pins = pins_at(model, {}, materials_at(model, time).young, time, options.time_step);
   MissedPins all;
   for (const PinSpring& spring : pins.springs) {

@@ -233,6 +233,23 @@ TEST_CASE("hard limits hold while a body is dragged about faster than it can fol
   CHECK(session.steps_not_converged < 8);
 }
 
+TEST_CASE("steps that did not converge are counted though their rows are no longer kept") {
+  const TemporaryFolder folder;
+  Session session(live_scene(folder));
+  session.most_rows = 4;
+  for (int i = 0; i < 8; ++i) step(session);
+  const State kept = session.state;
+  REQUIRE(session.steps_not_converged == 0);
+  session.steps_not_converged = 3;  // as if three of the rows that are gone had been such steps
+  step(session);
+  session.rows.back().report.status = StepStatus::iteration_limit;
+  ++session.steps_not_converged;
+  rewind(session, kept);
+  CHECK(session.steps_not_converged == 3);
+  restart(session);
+  CHECK(session.steps_not_converged == 0);
+}
+
 TEST_CASE("bodies, vertices and places that are not there cannot be grabbed") {
   const TemporaryFolder folder;
   Session session(live_scene(folder));

@@ -147,16 +147,6 @@ void hold_from(const LiveKey& key, double time, double value, Simulation& simula
   hold(time, value, track_in(key, simulation.model.bodies[std::size_t(key.body)]));
 }
 
-void put_back(const LiveKey& key, const Scene& original, Simulation& simulation) {
-  if (key.kind == LiveKind::gravity) {
-    simulation.scene.clip.gravity = original.clip.gravity;
-    return;
-  }
-  const auto body = std::size_t(key.body);
-  track_in(key, simulation.scene.bodies[body]) = track_in(key, original.bodies[body]);
-  track_in(key, simulation.model.bodies[body]) = track_in(key, original.bodies[body]);
-}
-
 void drop_from(const LiveKey& key, double time, Simulation& simulation) {
   if (key.is_animated) return;
   if (key.kind == LiveKind::gravity) {

@@ -29,9 +29,6 @@ std::vector<LiveKey> live_keys(const Scene& scene);
 /// Makes the key hold a value from a time [s] on, in the scene and in the model alike. Later keys than that are dropped.
 void hold_from(const LiveKey& key, double time, double value, Simulation& simulation);
 
-/// Puts the key back to what another scene of the same bodies has.
-void put_back(const LiveKey& key, const Scene& original, Simulation& simulation);
-
 /// Drops what is held from a time [s] on.
 void drop_from(const LiveKey& key, double time, Simulation& simulation);
 

@@ -25,7 +25,7 @@ struct ServeOptions {
 void serve(Session& session, Recording& recording, const ServeOptions& options);
 
 /// The page's files by their names ("three.min.js"): ours, and the libraries read from Debian's folders or from that which
-/// the environment's UMAX_JAVASCRIPT names. Throws Error (unavailable) with the remedy when one is not there.
+/// the environment's UMAX_THREE names. Throws Error (unavailable) with the remedy when one is not there.
 std::map<std::string, std::string> page_files();
 
 }  // namespace umax

@@ -177,14 +177,13 @@ void restart(Session& session) {
 }
 
 void rewind(Session& session, const State& state) {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < session.keys.size(); ++i) values.push_back(session.goals[i]);
+  const std::vector<double> values = session.goals;
   session.state = state;
   session.pulls.erase(session.pulls.lower_bound(state.step), session.pulls.end());
-  while (!session.rows.empty() && session.rows.back().step > state.step) session.rows.pop_back();
-  session.steps_not_converged = std::count_if(session.rows.begin(), session.rows.end(), [](const StepRow& row) {
-    return row.report.status != StepStatus::converged;
-  });
+  // rows that are no longer kept count all the same
+  for (; !session.rows.empty() && session.rows.back().step > state.step; session.rows.pop_back())
+    session.steps_not_converged -= session.rows.back().report.status != StepStatus::converged;
+  if (state.step == 0) session.steps_not_converged = 0;
   for (const LiveKey& key : session.keys) drop_from(key, time_of_change(session), session.simulation);
   drop_places_from(session.original, time_of_change(session), session.simulation);
   session.places.assign(session.places.size(), std::nullopt);
