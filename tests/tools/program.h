@@ -55,12 +55,20 @@ inline std::filesystem::path write_scene(const TemporaryFolder& folder, const st
   return folder / name;
 }
 
-/// The states of a run by name.
+/// The bytes of a folder's files by name.
+inline std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    files[entry.path().filename().string()] = file_text(entry.path());
+  return files;
+}
+
+/// The states of a run, and its pictures.
 inline std::map<std::string, std::string> states_of(const std::filesystem::path& run) {
-  std::map<std::string, std::string> states;
-  for (const auto& entry : std::filesystem::directory_iterator(run / "states"))
-    states[entry.path().filename().string()] = file_text(entry.path());
-  return states;
+  return files_in(run / "states");
+}
+inline std::map<std::string, std::string> pictures_of(const std::filesystem::path& run) {
+  return files_in(run / "frames");
 }
 
 /// steps.csv without the column wall_ms.

@@ -17,13 +17,6 @@ RenderDescription with_filter(NoiseFilter filter) {
   return render;
 }
 
-std::map<std::string, std::string> pictures_of(const fs::path& run) {
-  std::map<std::string, std::string> pictures;
-  for (const auto& entry : fs::directory_iterator(run / "frames"))
-    pictures[entry.path().filename().string()] = file_text(entry.path());
-  return pictures;
-}
-
 /// A block that flies over an obstacle before a camera that stands where it is told to. The ground is not drawn: how far it
 /// reaches depends on the states that are there.
 fs::path flying_block(const TemporaryFolder& folder) {

@@ -22,13 +22,6 @@ RenderDescription with_shutter(double shutter, double position = 0.5) {
   return render;
 }
 
-std::map<std::string, std::string> pictures_of(const fs::path& run) {
-  std::map<std::string, std::string> pictures;
-  for (const auto& entry : fs::directory_iterator(run / "frames"))
-    pictures[entry.path().filename().string()] = file_text(entry.path());
-  return pictures;
-}
-
 /// A block in flight before a camera that stands where it is told to. The ground is not drawn: how far it reaches
 /// depends on the states that are there.
 std::string flying_block() {

@@ -13,13 +13,6 @@ namespace {
 
 const Words four_frames{"--set", "clip.frames=4"};
 
-std::map<std::string, std::string> pictures_of(const fs::path& run) {
-  std::map<std::string, std::string> pictures;
-  for (const auto& entry : fs::directory_iterator(run / "frames"))
-    pictures[entry.path().filename().string()] = file_text(entry.path());
-  return pictures;
-}
-
 }  // namespace
 
 TEST_CASE("a whole run ends in a clip with as many frames as pictures, by either engine") {

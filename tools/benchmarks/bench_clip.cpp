@@ -16,10 +16,10 @@
 #include "scenes/scene_file.h"
 #include "tools/benchmarks/bench.h"
 #include "tools/benchmarks/measured_command.h"
-#include "tools/benchmarks/scratch_folder.h"
 #include "tools/pictures/traced_picture.h"
 #include "tools/run/render_frames.h"
 #include "tools/run/run_record.h"
+#include "tools/system/scratch_folder.h"
 #include "tools/system/seconds_since.h"
 
 namespace umax {
@@ -161,7 +161,7 @@ double filter_seconds(const fs::path& run) {
 
 BenchRows clip() {
   const ScratchFolder scratch;
-  const fs::path run = scratch.path / "demo";
+  const fs::path run = scratch.path() / "demo";
   const Measurement outcome = measure_command({program(), "run", "figure", "-o", run, "--quiet"});
   const auto record = read_run_record(run / "run.json");
   const fs::path references = references_of(run);

@@ -7,7 +7,7 @@
 
 #include "tools/benchmarks/bench.h"
 #include "tools/benchmarks/measured_command.h"
-#include "tools/benchmarks/scratch_folder.h"
+#include "tools/system/scratch_folder.h"
 
 namespace umax {
 namespace {
@@ -41,16 +41,16 @@ shape = "plane"
 
 BenchRows long_cache() {
   const ScratchFolder scratch("/dev/shm");  // a tmpfs
-  write_torus(scratch.path / "torus.obj");
-  std::ofstream(scratch.path / "long.toml") << scene;
-  const std::filesystem::path run = scratch.path / "run";
-  measure_command({program(), "simulate", scratch.path / "long.toml", "-o", run, "--quiet"});
+  write_torus(scratch.path() / "torus.obj");
+  std::ofstream(scratch.path() / "long.toml") << scene;
+  const std::filesystem::path run = scratch.path() / "run";
+  measure_command({program(), "simulate", scratch.path() / "long.toml", "-o", run, "--quiet"});
   const auto exported = [&](const char* frames, const char* folder) {
     return measure_command({program(), "export", run, "--format", "pc2", "--bodies", "torus", "--frames", frames, "-o",
-                            scratch.path / folder, "--quiet"});
+                            scratch.path() / folder, "--quiet"});
   };
   const Measurement few = exported("1-50", "few"), all = exported("1-1000", "all");
-  const auto megabytes = double(std::filesystem::file_size(scratch.path / "all/torus.pc2")) / 1e6;
+  const auto megabytes = double(std::filesystem::file_size(scratch.path() / "all/torus.pc2")) / 1e6;
   return {at_most("umax export: 1,000 frames of 43,200 vertices to PC2 on tmpfs", all.seconds, 5, "s",
                   fmt::format("{:.0f} MB", megabytes)),
           at_most("its peak memory over that of 50 frames", all.peak_bytes / few.peak_bytes, 1.05, "",

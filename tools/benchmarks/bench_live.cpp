@@ -15,8 +15,8 @@
 #include "scenes/scene_file.h"
 #include "tests/support/raw_client.h"
 #include "tools/benchmarks/bench.h"
-#include "tools/benchmarks/scratch_folder.h"
 #include "tools/live/server.h"
+#include "tools/system/scratch_folder.h"
 #include "tools/system/seconds_since.h"
 
 namespace umax {
@@ -43,7 +43,7 @@ Scene scene_with(int cells) {
 class LiveBench {
  public:
   LiveBench(int cells, double slower)
-      : session_(scene_with(cells)), recording_(scratch_.path / "live", ExistingFolder::refuse, 1000) {
+      : session_(scene_with(cells)), recording_(scratch_.path() / "live", ExistingFolder::refuse, 1000) {
     server_ = std::thread([this, slower] {
       serve(session_, recording_,
             {.on_address =

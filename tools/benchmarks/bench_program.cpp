@@ -13,10 +13,10 @@
 #include "scenes/scene_file.h"
 #include "tools/benchmarks/bench.h"
 #include "tools/benchmarks/measured_command.h"
-#include "tools/benchmarks/scratch_folder.h"
 #include "tools/reproduce/experiments.h"
 #include "tools/run/run_record.h"
 #include "tools/run/steps_csv.h"
+#include "tools/system/scratch_folder.h"
 
 namespace umax {
 namespace {
@@ -27,7 +27,7 @@ double gibibytes(double bytes) {
 
 BenchRows demo() {
   const ScratchFolder scratch;
-  const Measurement outcome = measure_command({program(), "run", "figure", "-o", scratch.path / "demo", "--quiet"});
+  const Measurement outcome = measure_command({program(), "run", "figure", "-o", scratch.path() / "demo", "--quiet"});
   return {at_most("figure: the demo's clip, 640x360", outcome.seconds / 60, 5, "min",
                   fmt::format("peak {:.2f} GiB", gibibytes(outcome.peak_bytes)))};
 }
@@ -35,24 +35,24 @@ BenchRows demo() {
 // the filtered frame against one with so many samples that filtering is idle
 BenchRows noise() {
   const ScratchFolder scratch;
-  measure_command({program(), "simulate", "figure", "-o", scratch.path / "demo", "--frames", "1-60", "--quiet"});
+  measure_command({program(), "simulate", "figure", "-o", scratch.path() / "demo", "--frames", "1-60", "--quiet"});
   measure_command(
-      {program(), "render", scratch.path / "demo", "--frames", "60", "-o", scratch.path / "few", "--quiet"});
-  measure_command({program(), "render", scratch.path / "demo", "--frames", "60", "-o", scratch.path / "many",
+      {program(), "render", scratch.path() / "demo", "--frames", "60", "-o", scratch.path() / "few", "--quiet"});
+  measure_command({program(), "render", scratch.path() / "demo", "--frames", "60", "-o", scratch.path() / "many",
                    "--samples", "1024", "--set", "render.denoise=false", "--quiet"});
-  const Image8 few = read_png8(scratch.path / "few/frames/0060.png");
-  const Image8 many = read_png8(scratch.path / "many/frames/0060.png");
+  const Image8 few = read_png8(scratch.path() / "few/frames/0060.png");
+  const Image8 many = read_png8(scratch.path() / "many/frames/0060.png");
   return {at_most("demo's frame 60 against 1024 samples: mean FLIP", flip(many, few).mean, 0.08, "")};
 }
 
 // seconds that rendering some frames of a run took, set-up and clip aside
 double render_seconds(const std::filesystem::path& run, const std::string& frames, std::vector<std::string> settings) {
   const ScratchFolder scratch;
-  std::vector<std::string> command{program(), "render", run, "--frames", frames, "-o", scratch.path / "pictures",
+  std::vector<std::string> command{program(), "render", run, "--frames", frames, "-o", scratch.path() / "pictures",
                                    "--quiet"};
   for (std::string& setting : settings) command.insert(command.end(), {"--set", std::move(setting)});
   measure_command(command);
-  const auto record = read_run_record(scratch.path / "pictures/run.json");
+  const auto record = read_run_record(scratch.path() / "pictures/run.json");
   if (!record) throw std::runtime_error("the pictures have no record");
   return record->render_seconds;
 }
@@ -60,7 +60,7 @@ double render_seconds(const std::filesystem::path& run, const std::string& frame
 // in turns, so that both meet the same machine
 BenchRows blur() {
   const ScratchFolder scratch;
-  const std::filesystem::path run = scratch.path / "demo";
+  const std::filesystem::path run = scratch.path() / "demo";
   measure_command({program(), "simulate", "figure", "-o", run, "--quiet"});
   double sharp = 0, blurred = 0;
   for (int turn = 0; turn < 3; ++turn) {
@@ -74,7 +74,7 @@ BenchRows blur() {
 // what more samples cost: without set-up, hierarchy and files
 BenchRows paths() {
   const ScratchFolder scratch;
-  const std::filesystem::path run = scratch.path / "demo";
+  const std::filesystem::path run = scratch.path() / "demo";
   measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
   const auto seconds = [&](int samples) {
     return render_seconds(run, "60", {"render.denoise=false", fmt::format("render.samples={}", samples)});
@@ -88,7 +88,7 @@ BenchRows paths() {
 // the noise that is asked for, and what it saves against the same number of samples everywhere
 BenchRows adaptive() {
   const ScratchFolder scratch;
-  const std::filesystem::path run = scratch.path / "demo";
+  const std::filesystem::path run = scratch.path() / "demo";
   measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
   const double all = render_seconds(run, "60", {"render.samples=256"});
   const double enough = render_seconds(run, "60", {"render.samples=256", "render.noise=0.02"});
@@ -99,7 +99,7 @@ BenchRows adaptive() {
 // frames that follow each other, as a user looks at them
 BenchRows previews() {
   const ScratchFolder scratch;
-  const std::filesystem::path run = scratch.path / "demo";
+  const std::filesystem::path run = scratch.path() / "demo";
   measure_command({program(), "simulate", "figure", "-o", run, "--frames", "1-60", "--quiet"});
   const double small = render_seconds(run, "21-60", {"render.preview=true"}) / 40;
   const double large = render_seconds(run, "21-60", {"render.preview=true", "render.size=[1280, 720]"}) / 40;
@@ -111,7 +111,7 @@ BenchRows armadillo_memory() {
   const ScratchFolder scratch;
   const Measurement outcome = measure_command(
       {program(), "run", "armadillo", "--set", "body.armadillo.mesh=" + model_path("armadillo.obj"), "--size",
-       "1280x720", "--samples", "4", "--frames", "1-4", "-o", scratch.path / "clip", "--quiet"});
+       "1280x720", "--samples", "4", "--frames", "1-4", "-o", scratch.path() / "clip", "--quiet"});
   return {at_most("armadillo clip at 1280x720: peak memory", gibibytes(outcome.peak_bytes), 1, "GiB")};
 }
 
@@ -119,7 +119,7 @@ BenchRows large_beam() {
   const ScratchFolder scratch;
   const Measurement outcome =
       measure_command({program(), "simulate", "beam", "--set", "body.beam.cage.cells=[226,21,21]", "--set",
-                       "body.beam.limit.kind=none", "--frames", "1-2", "-o", scratch.path / "beam", "--quiet"});
+                       "body.beam.limit.kind=none", "--frames", "1-2", "-o", scratch.path() / "beam", "--quiet"});
   return {at_most("beam, 99,666 hexes, no limits: peak memory", gibibytes(outcome.peak_bytes), 8, "GiB",
                   fmt::format("one step and set-up in {:.0f} s", outcome.seconds))};
 }
@@ -127,14 +127,14 @@ BenchRows large_beam() {
 BenchRows ten_thousand() {
   const ScratchFolder scratch;
   const Measurement outcome = measure_command({program(), "simulate", "figure", "--set", "body.figure.cage.cells=10000",
-                                               "--frames", "1-3", "-o", scratch.path / "figure", "--quiet"});
+                                               "--frames", "1-3", "-o", scratch.path() / "figure", "--quiet"});
   return {at_most("figure, 10 k hexes: peak memory", gibibytes(outcome.peak_bytes), 1, "GiB")};
 }
 
 // one second of clip with a cage of a million hexes, its landing in it; every step must converge
 BenchRows million() {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch.path / "figure";
+  const std::filesystem::path folder = scratch.path() / "figure";
   const Measurement outcome =
       measure_command({program(), "simulate", "figure", "--set", "body.figure.cage.cells=1000000", "--frames", "1-60",
                        "--strict", "-o", folder, "--quiet"});
@@ -174,15 +174,15 @@ struct CrowdRun {
 };
 CrowdRun run_crowd(int count) {
   const ScratchFolder scratch;
-  write_file(scratch.path / "crowd.toml", resolved_toml(crowd_scene(count)));
+  write_file(scratch.path() / "crowd.toml", resolved_toml(crowd_scene(count)));
   const auto simulate = [&](const std::string& run, const std::string& frames) {
-    return measure_command({program(), "simulate", scratch.path / "crowd.toml", "-o", scratch.path / run, "--set",
+    return measure_command({program(), "simulate", scratch.path() / "crowd.toml", "-o", scratch.path() / run, "--set",
                             "clip.frames=" + frames, "--quiet"});
   };
   CrowdRun crowd;
   crowd.set_up = simulate("start", "1");
   crowd.whole = simulate("run", "181");
-  const StepsFound steps = read_steps(scratch.path / "run/steps.csv", steps_header({}));
+  const StepsFound steps = read_steps(scratch.path() / "run/steps.csv", steps_header({}));
   crowd.steps = steps.rows;
   crowd.not_converged = std::count(steps.converged.begin(), steps.converged.end(), false);
   crowd.hexes = (long long)steps.columns.at("hexes").front();
@@ -213,7 +213,7 @@ std::vector<std::string> reproduce(const std::filesystem::path& report) {
 
 BenchRows tuning() {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch.path / "tune";
+  const std::filesystem::path folder = scratch.path() / "tune";
   const Measurement outcome = measure_command({program(), "tune", "figure", "--vary",
                                                "body.figure.limit.stretch=2.5%,5%,7.5%,10%,15%,20%,30%,40%", "--set",
                                                "clip.frames=120", "-o", folder, "--quiet"});
@@ -225,7 +225,7 @@ BenchRows tuning() {
 
 BenchRows quick_report() {
   const ScratchFolder scratch;
-  std::vector<std::string> command = reproduce(scratch.path / "report");
+  std::vector<std::string> command = reproduce(scratch.path() / "report");
   command.push_back("--quick");
   return {at_most("umax reproduce --quick: the paper's experiments", measure_command(command).seconds / 60, 5, "min")};
 }
@@ -237,7 +237,7 @@ BenchRows whole_report() {
   double sum = 0, longest = 0;
   std::string slowest;
   for (const Experiment& experiment : experiments()) {
-    std::vector<std::string> command = reproduce(scratch.path / "report");
+    std::vector<std::string> command = reproduce(scratch.path() / "report");
     command.insert(command.begin() + 2, experiment.name);
     if (sum > 0) command.push_back("--resume");
     const double minutes = measure_command(command).seconds / 60;
@@ -254,9 +254,9 @@ BenchRows clean_build() {
   const char* source = std::getenv("UMAX_SOURCE");
   if (!source) throw std::runtime_error("run this one through tools/bench");
   const ScratchFolder scratch;
-  measure_command({"cmake", "-S", source, "-B", scratch.path, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+  measure_command({"cmake", "-S", source, "-B", scratch.path(), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                    "-DUMAX_ARCH=x86-64-v3"});
-  const Measurement outcome = measure_command({"cmake", "--build", scratch.path, "--parallel", "2"});
+  const Measurement outcome = measure_command({"cmake", "--build", scratch.path(), "--parallel", "2"});
   return {at_most("clean build of everything, 2 jobs", outcome.seconds / 60, 6, "min")};
 }
 

@@ -23,6 +23,10 @@ double cpu_seconds(const rusage& usage) {
 
 }  // namespace
 
+std::string program() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "umax").string();
+}
+
 Measurement measure_command(const std::vector<std::string>& command) {
   std::vector<std::string> words{std::filesystem::read_symlink("/proc/self/exe").string(), "--measure"};
   words.insert(words.end(), command.begin(), command.end());

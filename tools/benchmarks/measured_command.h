@@ -13,6 +13,9 @@ struct Measurement {
   double peak_bytes = 0;   // [bytes] largest resident memory
 };
 
+/// The program umax that stands beside the bench.
+std::string program();
+
 /// Runs a command with its output thrown away, as a child of `umax_bench --measure`. Throws std::runtime_error if it
 /// fails.
 Measurement measure_command(const std::vector<std::string>& command);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
+#include <cctype>
 
 #include "core/base/error.h"
 #include "tools/run/clip.h"
@@ -15,15 +15,6 @@ namespace {
 
 bool is_picture(const fs::path& path) {
   return path.extension() == ".png" || path.extension() == ".exr";
-}
-
-fs::path make_temporary_folder() {
-  std::string name = (fs::temp_directory_path() / "umax-compare-XXXXXX").string();
-  if (!mkdtemp(name.data()))
-    throw Error(Fault::cannot_create, {.where = name,
-                                       .what = "cannot make a folder for the pictures of a clip",
-                                       .remedy = "set TMPDIR to a folder with room in it"});
-  return name;
 }
 
 std::vector<std::string> pictures_in(const fs::path& folder) {
@@ -61,14 +52,8 @@ bool is_clip_file(const fs::path& path) {
 PictureSet::PictureSet(const fs::path& source) : source_(source), folder_(source) {
   std::error_code error;
   if (is_clip_file(source)) {
-    folder_ = make_temporary_folder();
-    is_temporary_ = true;
-    try {
-      decode_clip(source, folder_);
-    } catch (...) {
-      fs::remove_all(folder_, error);
-      throw;
-    }
+    decode_clip(source, decoded_.emplace().path());
+    folder_ = decoded_->path();
   } else if (fs::is_directory(source / "frames", error)) {
     folder_ = source / "frames";
   }
@@ -78,11 +63,6 @@ PictureSet::PictureSet(const fs::path& source) : source_(source), folder_(source
                 {.where = folder_.string(),
                  .what = "holds no pictures",
                  .remedy = "give two pictures, two clips, or two folders with pictures of the same names"});
-}
-
-PictureSet::~PictureSet() {
-  std::error_code error;
-  if (is_temporary_) fs::remove_all(folder_, error);
 }
 
 std::vector<std::string> names_of_both(const PictureSet& a, const PictureSet& b) {

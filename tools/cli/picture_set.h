@@ -2,31 +2,31 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/system/scratch_folder.h"
+
 namespace umax {
 
-/// Pictures in a folder, by name. Those of a clip are in a temporary one, which goes with this.
+/// Pictures in a folder, by name. Those of a clip are in a folder that goes with this.
 class PictureSet {
  public:
   /// source: a folder with pictures, a run's folder, or a clip. Throws Error: not_found without pictures, bad_data for what
   /// is no clip, unavailable where a clip needs ffmpeg.
   explicit PictureSet(const std::filesystem::path& source);
-  ~PictureSet();
-  PictureSet(const PictureSet&) = delete;
-  PictureSet& operator=(const PictureSet&) = delete;
 
   /// As the user named it.
   const std::filesystem::path& source() const { return source_; }
-  bool is_clip() const { return is_temporary_; }
+  bool is_clip() const { return decoded_.has_value(); }
 
   const std::vector<std::string>& names() const { return names_; }  // ascending
   std::filesystem::path path_of(const std::string& name) const { return folder_ / name; }
 
  private:
   std::filesystem::path source_, folder_;
-  bool is_temporary_ = false;
+  std::optional<ScratchFolder> decoded_;
   std::vector<std::string> names_;
 };
 

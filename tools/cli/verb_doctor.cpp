@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -17,6 +16,7 @@
 #include "tools/run/run_record.h"
 #include "tools/system/exit_code.h"
 #include "tools/system/machine_memory.h"
+#include "tools/system/scratch_folder.h"
 #include "tools/system/seconds_since.h"
 #include "tools/system/subprocess.h"
 #include "tools/system/threads.h"
@@ -36,29 +36,6 @@ enum class Health { good, poor, missing };
 struct Finding {
   Health health = Health::good;
   std::string text, remedy = {};
-};
-
-// A folder of our own that goes with this.
-class Scratch {
- public:
-  explicit Scratch(const fs::path& parent) {
-    std::string name = (parent / ".umax-doctor-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw Error(Fault::cannot_create, {.where = parent.string(),
-                                         .what = "takes no new folder",
-                                         .remedy = "go to a folder that you may write to, or name one with -o"});
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 Finding look_at_processor() {
@@ -100,7 +77,7 @@ Finding look_at_rasteriser() {
 }
 
 Finding look_at_importer() {
-  const Scratch scratch(fs::temp_directory_path());
+  const ScratchFolder scratch;
   const fs::path path = scratch.path() / "triangle.dae";
   write_file(path, R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/><up_axis>Y_UP</up_axis>
@@ -138,7 +115,7 @@ Finding look_at_live_page() {
 }
 
 Finding look_at_files(const fs::path& folder) {
-  const Scratch scratch(folder);
+  const ScratchFolder scratch(folder);
   const auto start = std::chrono::steady_clock::now();
   write_file(scratch.path() / "file", std::string(1 << 20, 'x'));
   const double seconds = seconds_since(start);
