@@ -58,7 +58,7 @@ void add_shape_keys(Keys& keys) {
       "shape", R"("plane", "sphere", "box", "bowl", "mesh")", "what it is; a plane is solid below its y = 0",
       {.unset = "required",
        .resets = {"mesh", "mesh_from", "mesh_sha256", "unit", "up", "height", "scale", "size", "radius", "thickness",
-                  "cache", "cache_start", "cache_speed", "cache_offset", "cache_fps", "cache_sha256"},
+                  "cache", "cache_start", "cache_speed", "cache_offset", "cache_fps", "cache_sha256", "fade"},
        .defines = true,
        .required = true},
       set_shape, get_shape);
@@ -122,6 +122,13 @@ SceneSection obstacle_section() {
   keys.add("visible", FlagKind(), UMAX_FIELD(visible), "whether pictures show it");
   keys.add("shadow_catcher", FlagKind(), UMAX_FIELD(shadow_catcher),
            "pictures show the shadows that fall on it, and what is behind it (embree)");
+  const auto of_plane = [](auto& obstacle) {
+    return std::holds_alternative<HalfSpace>(obstacle.shape) ? &obstacle.fade : nullptr;
+  };
+  keys.add("fade", NumberKind{units::length, positive_length}, of_plane,
+           "distance from its position at which a plane has passed into what is behind it at the horizon, as a "
+           "studio's sweep does",
+           {.unset = "it ends far away", .belongs_to = "shape = \"plane\""});
   add_look_keys(keys);
   return section;
 }

@@ -148,6 +148,7 @@ struct ObstacleDescription {
   Track<Vector3d> rotation_degrees{Vector3d(0, 0, 0)};
   bool visible = true;
   bool shadow_catcher = false;  // pictures show the shadows on it alone (embree)
+  std::optional<double> fade;   // [m] of a plane: where it has passed into the horizon; unset: it ends far away
   Look look;
 };
 

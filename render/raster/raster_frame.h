@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/image/image.h"
+#include "render/scene/render_scene.h"
 
 namespace umax::raster {
 
@@ -73,7 +74,7 @@ struct Frame {
   std::vector<Image> probe;  // the surroundings as seen in surfaces of roughness 0, 0.2, … 1
   Vector4f sun{0, 1, 0, 2};  // direction and cosine of its radius (2: none); seen by camera rays
   Vector3f sun_radiance{0, 0, 0};
-  Vector4f ground_fade{0, 0, 0, 0};  // centre xz [m], distance where the fading begins and ends [m]
+  std::optional<Fade> ground_fade;
 
   std::vector<WireVertex> wires;  // triangles
   Vector3f wire_color{0, 0, 0};

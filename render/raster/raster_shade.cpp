@@ -16,8 +16,7 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-constexpr float lowest_horizon = 0.002f;  // height of the direction that stands for all below
-constexpr float occluder_light = 0.12f;   // what hides the sky sends on this share of it
+constexpr float occluder_light = 0.12f;  // what hides the sky sends on this share of it
 
 struct SurfacePoint {
   Vector3f world{0, 0, 0}, normal{0, 1, 0}, view{0, 0, 1};  // view: towards the eye
@@ -207,19 +206,14 @@ Vector3f shade_surface(const Frame& frame, const ShadowMaps& maps, const Batch& 
 }
 
 /// Where a wide ground ends the horizon goes on.
-Vector3f seen_background(const Frame& frame, Vector3f direction) {
-  if (std::isfinite(frame.ground_fade[3]) && direction[1] < lowest_horizon)
-    direction = Vector3f(direction[0], lowest_horizon, direction[2]).normalized();
-  return background(frame, direction);
+Vector3f seen_background(const Frame& frame, const Vector3f& direction) {
+  return background(frame, frame.ground_fade ? at_or_above_horizon(direction) : direction);
 }
 
 /// A wide ground passes into what lies at the horizon.
 Vector3f faded(const Frame& frame, const SurfacePoint& p, const Vector3f& color) {
-  const Vector4f& fade = frame.ground_fade;
-  const float distance = Vector2f(p.world[0] - fade[0], p.world[2] - fade[1]).norm();
-  const float s = std::clamp((distance - fade[2]) / std::max(fade[3] - fade[2], 1e-6f), 0.0f, 1.0f);
-  if (!(s > 0)) return color;
-  return color + s * s * (3 - 2 * s) * (seen_background(frame, -p.view) - color);
+  const float share = frame.ground_fade ? frame.ground_fade->at(p.world) : 0;
+  return share > 0 ? Vector3f(color + share * (seen_background(frame, -p.view) - color)) : color;
 }
 
 // ---- the samples of a pixel ---------------------------------------------------------------------------------------

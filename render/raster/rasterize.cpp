@@ -146,7 +146,7 @@ struct Arrangement {
   raster::Focus focus;
   raster::Ground ground;
   std::vector<bool> is_ground;  // per object
-  Vector4f fade{0, 0, INFINITY, INFINITY};
+  std::optional<Fade> fade;
 };
 
 Arrangement arrange(const RenderScene& scene) {
@@ -169,10 +169,13 @@ Arrangement arrange(const RenderScene& scene) {
     result.is_ground.push_back(ground);
     if (!ground) continue;
     result.ground = {true, box.center()[1], base_color(object, object.paints().front(), 0)};
-    // a wide plane fades into the horizon; a small one ends where it ends
-    if (half > 6 * result.focus.radius)
-      result.fade = {box.center()[0], box.center()[2], 1.5f * result.focus.radius,
-                     std::min(14 * result.focus.radius, 0.9f * half)};
+    // a wide plane fades into the horizon, if the scene does not say how; a small one ends where it ends
+    if (object.fade)
+      result.fade = object.fade;
+    else if (half > 6 * result.focus.radius)
+      result.fade = {.center = box.center(),
+                     .begin = 1.5f * result.focus.radius,
+                     .end = std::min(14 * result.focus.radius, 0.9f * half)};
   }
   return result;
 }

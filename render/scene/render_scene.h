@@ -1,6 +1,7 @@
 // What is drawn: triangle meshes with looks, lights, sky and a camera. Knows nothing of lattices or states.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,17 @@ struct SurfaceMotion {
                                                                 // two; none: it stands still
 };
 
+/// A ground that passes into what is seen at the horizon behind it: no edge shows where it ends.
+struct Fade {
+  Vector3f center{0, 0, 0};  // [m]
+  float begin = 0, end = 1;  // [m] from the centre: all of the surface is seen, nothing of it
+  /// The share of the surface that is not seen: smooth, 0 to 1.
+  float at(const Vector3f& place) const {
+    const float s = std::clamp(((place - center).norm() - begin) / std::max(end - begin, 1e-6f), 0.0f, 1.0f);
+    return s * s * (3 - 2 * s);
+  }
+};
+
 struct RenderObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // world space [m]
@@ -52,6 +64,7 @@ struct RenderObject {
   std::shared_ptr<const TriangleMesh> previous = {}, next = {};
   std::vector<float> values = {};  // a number of each vertex, for a layer of its own, or empty
   bool catches_shadows = false;    // seen only where other objects keep light from it (path tracer)
+  std::optional<Fade> fade = {};   // how the camera sees it; not where it catches shadows, nor in a transparent picture
 
   /// Whether each material of the mesh has a paint of its own.
   bool has_paints() const {
@@ -137,5 +150,17 @@ struct RenderScene {
   std::vector<Caption> captions{};
   float exposure_stops = 0;  // applied when an 8-bit picture is made
 };
+
+/// Whether a ground passes into the horizon: then what lies behind it is seen below the horizon, too.
+inline bool has_fade(const RenderScene& scene) {
+  return !scene.transparent && std::any_of(scene.objects.begin(), scene.objects.end(), [](const RenderObject& object) {
+    return object.fade && !object.catches_shadows;
+  });
+}
+/// The direction in which a camera sees what lies behind a ground that fades: of all below the horizon, just above it.
+inline Vector3f at_or_above_horizon(const Vector3f& direction) {
+  constexpr float lowest = 0.002f;
+  return direction[1] < lowest ? Vector3f(Vector3f(direction[0], lowest, direction[2]).normalized()) : direction;
+}
 
 }  // namespace umax

@@ -48,6 +48,7 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
                     .lights = RectangleLights(scene.lights),
                     .sky = SkyLight(scene.sky),
                     .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
+                    .fades = {},
                     .cameras = {},
                     .has_shutter = false,
                     .keeps_parts = !options.mattes.empty() || has_shadow_catchers(scene),
@@ -57,6 +58,8 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
                     .bounces = options.bounces};
   for (const RenderObject& object : scene.objects)
     tracer.looks.push_back(make_bsdf_look(object.look, "object " + object.name));
+  for (const RenderObject& object : scene.objects)
+    if (has_fade(scene)) tracer.fades.push_back(object.catches_shadows ? std::nullopt : object.fade);
   for (const Camera& camera : scene.camera_path)
     tracer.cameras.push_back(make_camera_view(camera, options.width, options.height));
   if (tracer.cameras.size() < 2) tracer.cameras = {make_camera_view(scene.camera, options.width, options.height)};

@@ -116,6 +116,7 @@ void PathWave::Buffers::prepare_surfaces(bool first) {
   for (int i = 0; i < count; ++i) {
     PathResult& result = results[slot[i]];
     result.albedo = surface.albedo.vector(i);
+    if (throughput.r[i] < 1) result.albedo += (1 - throughput.r[i]) * (Vector3f(1, 1, 1) - result.albedo);  // faded
     result.normal = point.normal.vector(i);
     result.depth = hit.distance[i];
   }
@@ -193,6 +194,7 @@ const PathResult* PathWave::trace(const std::vector<PathStart>& starts, std::vec
     const bool first = bounce == 0;
     wave.meet_surfaces(first);
     wave.add_emissions(first);
+    if (first && !wave.tracer.fades.empty()) wave.fade_out();
     wave.prepare_surfaces(first);
     const int vertex_dimension = dims_of_camera + bounce * dims_of_vertex;
     wave.add_lights(vertex_dimension, first);

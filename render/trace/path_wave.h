@@ -6,6 +6,7 @@
 
 #include "render/scene/camera.h"
 #include "render/scene/light.h"
+#include "render/scene/render_scene.h"
 #include "render/scene/sampling.h"
 #include "render/trace/bsdf.h"
 #include "render/trace/ray_scene.h"
@@ -19,6 +20,7 @@ struct PathTracer {
   RectangleLights lights;
   SkyLight sky;
   std::optional<Vector3f> backdrop;
+  std::vector<std::optional<Fade>> fades;  // of each object; none: nothing fades
   std::vector<CameraView> cameras;  // at even times from the shutter's opening to its closing; one: it stands still
   bool has_shutter = false;         // whether anything moves
   bool keeps_parts = false;         // whether it is asked which surfaces paths met first

@@ -63,6 +63,8 @@ struct PathWave::Buffers {
   void add_sky(int i, bool from_camera);
   void add_rectangle(int i, bool from_camera);
   Vector3f sky_seen(int i) const;
+  Vector3f behind_everything(int i) const;
+  void fade_out();
   void add_last_emission();
   // --- surfaces
   void prepare_surfaces(bool first);

@@ -42,10 +42,29 @@ void PathWave::Buffers::add_emissions(bool from_camera) {
 void PathWave::Buffers::add_sky(int i, bool from_camera) {
   Vector3f& radiance = results[slot[i]].radiance;
   if (from_camera) {
-    radiance += tracer.backdrop ? *tracer.backdrop : tracer.sky.radiance(ray.direction.vector(i));
+    radiance += behind_everything(i);
   } else {
     radiance += throughput.vector(i).cwiseProduct(sky_seen(i));
   }
+}
+
+// what a camera sees where there is nothing else
+Vector3f PathWave::Buffers::behind_everything(int i) const {
+  if (tracer.backdrop) return *tracer.backdrop;
+  const Vector3f towards = ray.direction.vector(i);
+  return tracer.sky.radiance(tracer.fades.empty() ? towards : at_or_above_horizon(towards));
+}
+
+// A path that meets a ground that fades sees both shares at once, so that no chance decides between them.
+void PathWave::Buffers::fade_out() {
+  keep([&](int i) {
+    const std::optional<Fade>& fade = tracer.fades[hit.object[i]];
+    const float share = fade ? fade->at(ray.origin.vector(i) + hit.distance[i] * ray.direction.vector(i)) : 0;
+    if (!(share > 0)) return true;
+    results[slot[i]].radiance += share * behind_everything(i);
+    throughput.set(i, {1 - share, 1 - share, 1 - share});
+    return share < 1;
+  });
 }
 
 void PathWave::Buffers::add_rectangle(int i, bool from_camera) {

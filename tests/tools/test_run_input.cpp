@@ -7,6 +7,7 @@
 #include "tools/cli/mesh_scene.h"
 #include "tools/cli/options.h"
 #include "tools/cli/run_input.h"
+#include "tools/pictures/shot.h"
 #include "tools/setup/simulation_setup.h"
 
 using namespace umax;
@@ -128,4 +129,35 @@ TEST_CASE("an input is a folder, a mesh or a scene") {
   CHECK(kind_of_input("dragon.PLY") == InputKind::mesh);
   CHECK(kind_of_input("falls/dragon.toml") == InputKind::scene);
   CHECK(kind_of_input("figure") == InputKind::scene);
+}
+
+TEST_CASE("a mesh stands in a studio, outdoors or on white, in proportion to its size") {
+  const TemporaryFolder folder;
+  const auto mesh = write_mesh(folder);
+  Options options;
+  const auto staged = [&](const char* stage, const char* height) {
+    options.stage = stage;
+    options.height = height;
+    return scene_of_mesh(mesh, 0, options);
+  };
+  const Scene studio = staged("studio", "1 m"), sky = staged("sky", "1 m"), plain = staged("plain", "1 m");
+  CHECK(scene_of_height(mesh, "1 m").lights.size() == studio.lights.size());
+  CHECK(std::holds_alternative<GradientSky>(studio.render.sky));
+  CHECK(std::holds_alternative<DaylightSky>(sky.render.sky));
+  CHECK(std::holds_alternative<ConstantSky>(plain.render.sky));
+  CHECK(plain.render.backdrop.has_value());
+
+  const Scene large = staged("studio", "2 m");
+  REQUIRE(studio.obstacles.front().fade.has_value());
+  CHECK(*large.obstacles.front().fade == Approx(2 * *studio.obstacles.front().fade));
+  // the same light falls on it: power goes with the square of the size
+  CHECK(large.lights.front().power.at(0) == Approx(4 * studio.lights.front().power.at(0)));
+  CHECK(large.lights.front().position.at(0).x() == Approx(2 * studio.lights.front().position.at(0).x()));
+
+  const Simulation simulation = set_up(large);
+  const State state = rest_state(simulation.model);
+  const RenderScene shot =
+      make_shot(simulation, make_stage(simulation, box_of(simulation, state.positions)), state, Camera());
+  REQUIRE(shot.objects.back().fade.has_value());
+  CHECK(shot.objects.back().fade->end == Approx(*large.obstacles.front().fade));
 }

@@ -128,6 +128,17 @@ BodyDescription body_of(const MeshFacts& facts, const Options& options) {
   return body;
 }
 
+Staging staging_of(const Options& options) {
+  const std::string stage = options.stage.value_or("studio");
+  return stage == "sky" ? Staging::sky : stage == "plain" ? Staging::plain : Staging::studio;
+}
+
+/// [m] that a stage fits: something low and wide needs a larger one than its height.
+double stage_size(const MeshFacts& facts) {
+  const double width = std::sqrt(std::max(0.0, facts.diagonal * facts.diagonal - facts.height * facts.height));
+  return std::max(facts.height, 0.7 * width);
+}
+
 /// Small things fall through their own height in less time: the steps shrink with the square root of the size.
 int substeps_of(double height) {
   return std::max(1, int(std::ceil(std::sqrt(reference_height / height) - 0.05)));
@@ -215,7 +226,7 @@ Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& opt
   scene.description = path.filename().string() + " falls on the ground";
   scene.bodies.push_back(body);
   scene.clip.substeps = substeps_of(facts.height);
-  add_studio(scene, facts.height, 0);
+  add_stage(scene, staging_of(options), (1 + 0.5 * drop_height) * stage_size(facts), 0);
   return resolved(scene, path.filename().string(), options);
 }
 
@@ -251,7 +262,7 @@ Scene scene_of_meshes(const std::vector<fs::path>& paths, int count, const Optio
   // the last ones fall, and then come to rest
   const double fall = std::sqrt(2 * places.at(count - 1).y() / 9.81);
   scene.clip.frames = std::max(scene.clip.frames, int(std::ceil((fall + seconds_at_rest) * scene.clip.fps)));
-  add_studio(scene, std::max(tallest, places.width()), 0);
+  add_stage(scene, staging_of(options), std::max(tallest, places.width()), 0);
   return resolved(scene, scene.name, options);
 }
 

@@ -124,7 +124,12 @@ Table mesh_table() {
           {.name = "--stretch",
            .value = "PERCENT",
            .description = "most that any hex may stretch (default: 20%)",
-           .target = &Options::stretch}};
+           .target = &Options::stretch},
+          {.name = "--stage",
+           .value = "STAGE",
+           .description = "what a mesh is shown in: studio (default), sky (outdoors) or plain (even light on white)",
+           .target = &Options::stage,
+           .choices = {"studio", "sky", "plain"}}};
 }
 
 Table export_table() {

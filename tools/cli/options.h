@@ -47,6 +47,7 @@ struct Options {
   std::optional<std::string> up;      // "x" | "y" | "z": of the mesh file; export: of what is written
   std::optional<int> cells;
   std::optional<std::string> stretch;  // "20%"
+  std::optional<std::string> stage;    // "studio" | "sky" | "plain"
   std::optional<int> count;            // drop: of bodies in all
 
   std::vector<std::string> variations;  // tune: --vary key=a,b,c

@@ -36,6 +36,12 @@ int turn(const Options& options) {
   if (kind != InputKind::run && options.still)
     throw Error(Fault::usage, {.where = "--still", .what = "is for the folder of a run", .remedy = "leave it out"});
 
+  if (kind != InputKind::mesh && options.stage)
+    throw Error(Fault::usage, {.where = "--stage",
+                               .what = "is for a mesh: a scene brings its own ground, lights and sky",
+                               .value = *options.stage,
+                               .remedy = "leave it out, or set [light] and [render]"});
+
   Job job;
   job.simulate = false;
   std::string name;
@@ -75,9 +81,9 @@ Verb turntable_verb() {
               "of pictures.",
           .examples = {"umax turntable bunny.ply --height \"20 cm\"", "umax turntable falling --still 60"},
           .arguments = {.words = scene_names, .endings = {"*"}},
-          .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--no-clip", "--engine",
-                      "--samples", "--size", "--seed", "--still", "--height", "--unit", "--up", "--threads",
-                      "--progress", "--quiet", "--verbose"},
+          .options = {"--output", "--set",     "--frames",  "--resume",   "--overwrite", "--quick",  "--no-clip",
+                      "--engine", "--samples", "--size",    "--seed",     "--still",     "--height", "--unit",
+                      "--up",     "--stage",   "--threads", "--progress", "--quiet",     "--verbose"},
           .run = turn};
 }
 

@@ -80,6 +80,13 @@ WireOverlay draw_cage(const Stage& stage, const Points& nodes) {
   return wires;
 }
 
+/// From a tenth of the way on: seen from low above the ground, most of what is far away is a thin band.
+std::optional<Fade> fade_of(const ObstacleDescription& obstacle, const Pose& pose) {
+  if (!obstacle.fade) return std::nullopt;
+  const float end = float(*obstacle.fade);
+  return Fade{.center = pose.translation.cast<float>(), .begin = 0.1f * end, .end = end};
+}
+
 void draw_obstacles(const Simulation& simulation, const Stage& stage, double time, RenderScene& shot) {
   for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
     const ObstacleDescription& description = simulation.scene.obstacles[i];
@@ -89,7 +96,8 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
         {.name = "obstacle." + description.name,
          .mesh = std::make_shared<const TriangleMesh>(moved(*obstacle_surface(simulation, stage, i, time), pose)),
          .look = description.look,
-         .catches_shadows = description.shadow_catcher});
+         .catches_shadows = description.shadow_catcher,
+         .fade = fade_of(description, pose)});
   }
 }
 

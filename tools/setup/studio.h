@@ -5,8 +5,14 @@
 
 namespace umax {
 
-/// Adds a ground at height `floor`, a key light, a rim light and a sky for something `height` [m] tall.
-void add_studio(Scene& scene, double height, double floor);
+enum class Staging {
+  studio,  // a sweep without a horizon, a soft key from the left, a rim light from behind
+  sky,     // outdoors, under the afternoon's sun
+  plain,   // even light on white
+};
+
+/// Adds a ground at height `floor`, lights and a sky for something of a size [m]: its height, or more where it is wide.
+void add_stage(Scene& scene, Staging staging, double size, double floor);
 
 /// Smooth and a little glossy; clay for a mesh without colours of its own.
 Look studio_look(bool has_own_colors);
