@@ -24,19 +24,27 @@ struct ContactProblem {
   const std::vector<ContactRow>& contacts;
   const VectorXd& q;
   std::vector<ContactBlock> blocks;
+  std::vector<VectorXd> free_motions = {};  // without forces
   int count() const { return int(contacts.size()); }
 };
 
-// the motions of all points under the forces, with the q of contacts at their first points
-std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
+// what contacts' forces are at the points of each body
+std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces) {
   const Delassus& delassus = problem.delassus;
-  std::vector<VectorXd> on(delassus.bodies.size()), motions(on.size());
+  std::vector<VectorXd> on(delassus.bodies.size());
   for (std::size_t b = 0; b < on.size(); ++b) on[b].setZero(delassus.bodies[b].W.rows());
   for (int i = 0; i < problem.count(); ++i)
     for_each_side(delassus, i, [&](const Delassus::Side& side) {
       on[side.body].segment<3>(3 * side.point) = side.sign * forces.segment<3>(3 * i);
     });
-  for (std::size_t b = 0; b < on.size(); ++b) motions[b] = delassus.bodies[b].W * on[b];
+  return on;
+}
+
+// the motions of all points under the forces, with the q of contacts at their first points
+std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
+  const Delassus& delassus = problem.delassus;
+  std::vector<VectorXd> motions = at_points(problem, forces);
+  for (std::size_t b = 0; b < motions.size(); ++b) motions[b] = delassus.bodies[b].W * motions[b];
   for (int i = 0; i < problem.count(); ++i) {
     const Delassus::Side& side = delassus.sides[delassus.first_side[i]];
     motions[side.body].segment<3>(3 * side.point) += problem.q.segment<3>(3 * i);
@@ -76,6 +84,20 @@ ForceChanges sweep(const ContactProblem& problem, ContactState& state) {
     count_change(problem, i, change, state.forces.segment<3>(3 * i), changes);
   }
   return changes;
+}
+
+// Has a sweep changed nothing but how contacts share what they bear together? Where there are more contacts than the nodes
+// under them can tell apart, forces go from one to another for thousands of sweeps, and neither the nodes' forces nor
+// anything that moves changes with them. Changes df that move their body by dw = W df are measured by the energy df . dw,
+// which is that of the nodes' forces, beside that of all contact forces on the body.
+bool moves_nothing(const ContactProblem& problem, const ContactState& before, const ContactState& now, double share) {
+  const std::vector<VectorXd> change = at_points(problem, now.forces - before.forces),
+                              all = at_points(problem, now.forces);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (change[b].dot(now.motions[b] - before.motions[b]) >
+        share * share * all[b].dot(now.motions[b] - problem.free_motions[b]))
+      return false;
+  return true;
 }
 
 // what is left to change at each contact, were it alone
@@ -222,15 +244,18 @@ bool try_newton(const ContactProblem& problem, double tolerance, ContactState& s
 
 GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
                                  const GaussSeidelOptions& options, VectorXd& forces) {
-  ContactProblem problem{delassus, contacts, q, {}};
+  ContactProblem problem{.delassus = delassus, .contacts = contacts, .q = q, .blocks = {}};
   for (int i = 0; i < problem.count(); ++i)
     problem.blocks.push_back(make_contact_block(compliance(delassus, i, i), contacts[i].normal));
+  problem.free_motions = motions_of(problem, VectorXd::Zero(forces.size()));
   ContactState state{forces, motions_of(problem, forces)};
   GaussSeidelResult result;
   int between = sweeps_between, next_try = between;
   while (!result.converged && result.sweeps < options.max_sweeps) {
     ++result.sweeps;
-    result.converged = sweep(problem, state).are_within(options.tolerance);
+    const ContactState before = state;
+    result.converged = sweep(problem, state).are_within(options.tolerance) ||
+                       moves_nothing(problem, before, state, 0.1 * options.tolerance);
     if (result.converged || result.sweeps < next_try) continue;
     if (!try_newton(problem, options.tolerance, state)) between *= 2;
     next_try = result.sweeps + between;

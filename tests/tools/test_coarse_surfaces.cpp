@@ -274,3 +274,41 @@ position = [0, 0, 0]
     CHECK(state.positions.col(1).minCoeff() > -0.02);
   }
 }
+
+TEST_CASE("a plate lies on the ground though it touches in more places than its nodes can tell apart") {
+  const TemporaryFolder folder;
+  write_prism(folder / "plate.obj", {{-1, -0.03}, {1, -0.03}, {1, 0.03}, {-1, 0.03}}, 2);
+  const Simulation simulation = set_up(parse_scene({.text = R"(
+[clip]
+frames = 14
+substeps = 6
+[body.plate]
+mesh = "plate.obj"
+position = [0, 0.06, 0]
+friction = 0.5
+cage.cells = 49
+material.young = "15 kPa"
+material.density = "500 kg/m^3"
+limit.stretch = "20 %"
+[obstacle.ground]
+shape = "plane"
+friction = 0.5
+)",
+                                                    .file = "plate.toml",
+                                                    .folder = folder.path(),
+                                                    .name = "plate"}));
+  Workspace workspace(simulation.model);
+  State state = rest_state(simulation.model);
+  long long sweeps = 0;
+  int most_contacts = 0;
+  for (int i = 0; i < 78; ++i) {
+    const StepReport report = step(simulation.model, simulation.options, workspace, state);
+    REQUIRE(report.status == StepStatus::converged);
+    CHECK(report.kkt_residual < 1e-3);
+    CHECK(report.max_penetration < 1e-3);
+    sweeps += report.linear_iterations;
+    most_contacts = std::max(most_contacts, report.contacts);
+  }
+  CHECK(3 * most_contacts > simulation.model.num_nodes());
+  CHECK(sweeps < 25000);  // 54,000 as long as forces went on being shared anew
+}
