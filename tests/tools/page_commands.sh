@@ -92,6 +92,7 @@ run() { # LINE
     render | strip) words+=("${small[@]}") ;;
     turntable) words+=("${small[@]}" --frames 1-2) ;;
     tune) words+=(--size 32x18 --set clip.frames=8) ;;
+    aim) words+=("${small[@]}") ;;
     reproduce) words+=(corrections --quick) ;;  # the one experiment that takes no time
   esac
   echo "-- ${words[*]}"

@@ -63,9 +63,11 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
     {"tools/pages", {"render/annotation"}},
     {"tools/fit", {"tools/pictures"}},
     {"tools/live", {"tools/run"}},
-    {"tools/tune", {"tools/run", "tools/pages"}},
+    {"tools/trials", {"tools/run"}},
+    {"tools/tune", {"tools/trials", "tools/pages"}},
+    {"tools/aim", {"tools/trials", "tools/pages"}},
     {"tools/reproduce", {"tools/run", "tools/pages"}},
-    {"tools/cli", {"tools/live", "tools/tune", "tools/reproduce", "tools/fit"}},
+    {"tools/cli", {"tools/live", "tools/tune", "tools/aim", "tools/reproduce", "tools/fit"}},
     {"tools/benchmarks", {"tools/live", "tools/run", "tools/reproduce", "embedding/foreign_files"}}};
 
 /// Rooms that stand below and yet are not entered from a room: the program speaks to the solver by model, step options
@@ -79,6 +81,8 @@ const std::vector<std::pair<std::string, std::string>> shut_doors{
     {"tools/fit", "core/linear"},       {"tools/tune", "core/contact"},      {"tools/tune", "core/linear"},
     {"tools/tune", "core/element"},     {"tools/reproduce", "core/contact"}, {"tools/reproduce", "core/linear"},
     {"tools/live", "core/contact"},     {"tools/live", "core/element"},      {"tools/live", "core/linear"},
+    {"tools/trials", "core/contact"},   {"tools/trials", "core/linear"},     {"tools/trials", "core/element"},
+    {"tools/aim", "core/contact"},      {"tools/aim", "core/linear"},        {"tools/aim", "core/element"},
     {"tools/cli", "core/contact"},      {"tools/cli", "core/linear"}};
 
 /// What tests and benchmarks share, outside of the house: of its rooms only benchmarks may include it.
@@ -186,8 +190,8 @@ const std::map<std::string, std::set<std::string>> rooms_of_library{
     {"assimp", {"embedding/foreign_files"}},
     {"Draco", {"embedding/foreign_files"}},
     {"json",
-     {"embedding/cameras", "embedding/foreign_files", "tools/cli", "tools/live", "tools/reproduce", "tools/run",
-      "tools/tune"}},
+     {"embedding/cameras", "embedding/foreign_files", "tools/aim", "tools/benchmarks", "tools/cli", "tools/live",
+      "tools/reproduce", "tools/run", "tools/trials", "tools/tune"}},
     {"libjpeg", {"render/image"}},
     {"libpng", {"render/image"}},
     {"pugixml", {"embedding/hex_files"}},

@@ -7,6 +7,7 @@ usage: tune_page.py PROGRAM [SCREENSHOTS]    needs the packages of tools/package
 import base64
 import json
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -232,6 +233,23 @@ def test_snippet(page, program, folder):
     page.wait(lambda: page.find("#copied").text != "", "copying is answered")
 
 
+def test_aim(page, program, folder):
+    page.keys("2")
+    page.scrub(12)
+    command = page.find("#aim").text
+    check(command.startswith("umax aim ") and "--vary body.block.limit.stretch=5%..20%" in command, "the key is varied")
+    check("--set 'body.block.material.young=60 kPa'" in command, "the other varied key is set")
+    check(" at frame 12 = " in command, "the want is of this moment")
+    page.scrub(13)
+    check(" at frame 13 = " in page.find("#aim").text, "the want follows the scrubber")
+    page.find("#copy-aim").click()
+    page.wait(lambda: page.find("#aim-copied").text != "", "copying the command is answered")
+    result = subprocess.run(command.replace("umax", shlex.quote(program), 1) + " --samples 1", shell=True, cwd=folder,
+                            capture_output=True, text=True)
+    check(result.returncode == 0, f"{command}: {result.returncode}: {result.stderr}")
+    check("reached in" in result.stdout, "the value that is there is found")
+
+
 def test_no_network(browser):
     # one warning is of our own making: that we read pixels back
     errors = [entry for entry in browser.get_log("browser") if "willReadFrequently" not in entry["message"]]
@@ -269,6 +287,7 @@ def main():
             test_two(page)
             test_table(page)
             test_snippet(page, program, folder)
+            test_aim(page, program, folder)
             if len(sys.argv) > 2:
                 take_pictures(page, Path(sys.argv[2]))
             test_no_network(browser)

@@ -24,6 +24,7 @@ struct Benchmark {
   std::function<BenchRows()> run;
 };
 
+std::vector<Benchmark> aim_benchmarks();          // bench_aim.cpp: wants of umax aim
 std::vector<Benchmark> simulation_benchmarks();   // bench_simulation.cpp
 std::vector<Benchmark> heap_benchmarks();         // bench_heap.cpp: contact between bodies
 std::vector<Benchmark> contact_benchmarks();      // bench_contact.cpp

@@ -52,6 +52,7 @@ const std::vector<ExitCodeMeaning>& exit_codes() {
       {"0", "success"},
       {"1", "compare: the pictures differ"},
       {"2", "wrong usage"},
+      {"3", "aim: the want was not reached; the nearest is shown"},
       {"65", "bad scene, mesh, state or data"},
       {"66", "an input is not found"},
       {"69", "a helper program is missing"},

@@ -31,7 +31,8 @@ Table run_table() {
        .short_name = "-o",
        .value = "DIR",
        .description = "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; "
-                      "tune, fit, live: ./NAME-tune, ./NAME-fit, ./NAME-live); strip, inspect --map, --picture: the "
+                      "tune, aim, fit, live: ./NAME-tune, ./NAME-aim, ./NAME-fit, ./NAME-live); strip, inspect --map, "
+                      "--picture: the "
                       "picture (./strip.png, "
                       "./NAME-limit-map.png, ./NAME-overlaps.png)",
        .target = &Options::output,
@@ -179,9 +180,13 @@ Table look_table() {
 Table tune_table() {
   return {{.name = "--vary",
            .value = "KEY=A,B,C",
-           .description = "run the scene once for each value; repeatable: every combination; as in --vary "
-                          "body.figure.limit.stretch=5%,10%,20%",
+           .description = "tune: run the scene once for each value; repeatable: every combination; as in --vary "
+                          "body.figure.limit.stretch=5%,10%,20%; aim: KEY=A..B, the range of a key; repeatable",
            .target = &Options::variations},
+          {.name = "--want",
+           .value = "WANT",
+           .description = "aim: what is wanted, as in 'height(figure) at 0.6 s = 85 %'; repeatable",
+           .target = &Options::wants},
           {.name = "--presets",
            .description = "vary material.preset over all presets (umax presets)",
            .target = &Options::presets},

@@ -40,7 +40,7 @@ int tune(const Options& options) {
   if (!plan.notes.empty())
     progress.note(fmt::format("preview: {}; --final for the scene as it is", fmt::join(plan.notes, ", ")));
   const SignalWatch watch;
-  const TuneRunOptions runs{.threads = threads.count(), .memory = memory_limit(options), .strict = options.strict};
+  const TrialOptions runs{.threads = threads.count(), .memory = memory_limit(options), .strict = options.strict};
   return do_tuning(plan, folder, runs, progress);
 }
 

@@ -1,8 +1,12 @@
 #include "tools/pages/html.h"
 
 #include <cstddef>
+#include <utility>
 
 namespace umax {
+
+// Written by CMake into the build folder from style.css.
+extern const std::pair<const char*, const char*> embedded_page_style[];
 
 std::string base64(std::string_view bytes) {
   constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -43,6 +47,24 @@ std::string png_data_url(std::string_view png) {
 
 std::string svg_data_url(std::string_view svg) {
   return "data:image/svg+xml;base64," + base64(svg);
+}
+
+void fill_in(std::string& page, const std::string& mark, const std::string& text) {
+  page.replace(page.find("{{" + mark + "}}"), mark.size() + 4, text);
+}
+
+void replace_all(std::string& text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+}
+
+std::string json_in_script(std::string json) {
+  replace_all(json, "<", "\\u003c");
+  return json;
+}
+
+std::string page_style() {
+  return embedded_page_style[0].second;
 }
 
 }  // namespace umax

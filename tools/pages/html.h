@@ -16,4 +16,16 @@ std::string base64(std::string_view bytes);
 std::string png_data_url(std::string_view png);
 std::string svg_data_url(std::string_view svg);
 
+/// Replaces {{mark}} of a template, which stands there once.
+void fill_in(std::string& page, const std::string& mark, const std::string& text);
+
+/// All occurrences.
+void replace_all(std::string& text, const std::string& what, const std::string& with);
+
+/// JSON as it may stand in a <script>, which no text in it may end.
+std::string json_in_script(std::string json);
+
+/// What pages of the program look like: colours, letters, tables, buttons.
+std::string page_style();
+
 }  // namespace umax

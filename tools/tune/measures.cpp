@@ -36,16 +36,20 @@ std::vector<double> heights(const Simulation& simulation, const Points& nodes, B
 void measure_frames(const Simulation& simulation, const std::filesystem::path& run, VariantMeasures& measures) {
   HeatRange range;
   std::vector<double> at_start;
+  std::vector<std::vector<double>> all_heights;  // of all bodies, one a frame
+  std::size_t lowest = 0;
   const int substeps = simulation.scene.clip.substeps;
   const std::vector<double>& energy = measures.steps.columns.at("elastic_energy_J");
   for (int frame = 1; frame <= simulation.last_frame(); ++frame) {
     const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
     const std::vector<double> now = heights(simulation, state.positions, measures.box);
     if (frame == 1) at_start = now;
+    all_heights.push_back(now);
     for (std::size_t i = 0; i < now.size(); ++i)
       if (frame == 1 || now[i] / at_start[i] < measures.least_share) {
         measures.least_share = now[i] / at_start[i];
         measures.least_height = now[i];
+        lowest = i;
       }
     extend(range, simulation, state);
     const std::size_t row = std::size_t((frame - 1) * substeps);
@@ -53,6 +57,10 @@ void measure_frames(const Simulation& simulation, const std::filesystem::path& r
     measures.stretch.push_back(std::sqrt(std::max(elastic, 0.0) / energy_scale(simulation.model, state.time)));
   }
   measures.largest_stretch = range.largest;
+  Box placed;
+  const double height = heights(simulation, simulation.model.rest_positions, placed)[lowest];
+  measures.lowest_body = simulation.bodies[lowest].name;
+  for (const std::vector<double>& now : all_heights) measures.shares.push_back(now[lowest] / height);
 }
 
 }  // namespace

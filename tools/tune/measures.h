@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "tools/run/steps_csv.h"
@@ -18,6 +19,8 @@ struct VariantMeasures {
   double largest_stretch = 0;   // [%] of any hex in any frame: sqrt(2 U/(Y V))
   double least_height = 0;      // [m] of the body that loses the largest share of its height in any frame
   double least_share = 1;       // [-] that is left of that body's height at the start
+  std::string lowest_body;      // its name
+  std::vector<double> shares;   // [-] of its height as it is placed, one a frame
   int most_limits = 0;          // active after a step
   int steps_not_converged = 0;
   double wall_seconds = 0;  // that its run took, simulation and pictures

@@ -122,6 +122,7 @@ function goTo(frame) {
   at("scrubber").setAttribute("aria-valuetext", `frame ${state.frame} of ${data.frames}`);
   at("readout").textContent = `frame ${state.frame} of ${data.frames} · ${timeOf(state.frame).toFixed(2)} s`;
   moveCursors();
+  showAim();
   show();
 }
 
@@ -172,12 +173,23 @@ function reflectChoice() {
   at("chosen").textContent = chosen.label;
   at("snippet").textContent = chosen.snippet;
   at("copied").textContent = "";
+  showAim();
   const [a, b] = [chosen.label, variants[state.second].label];
   at("stage-a").lastElementChild.textContent =
     state.mode === "wipe" ? `${a}  |  ${b}` : state.mode === "difference" ? `difference of ${a} and ${b}` : a;
   at("stage-b").lastElementChild.textContent = b;
   emphasise();
   show();
+}
+
+// The command that looks for a value beside the chosen variant's, with the height that it has now.
+function showAim() {
+  const chosen = variants[state.first];
+  at("aiming").hidden = !chosen.aim || !chosen.frames.length;
+  if (at("aiming").hidden) return;
+  const percent = 100 * chosen.series.shares[state.frame - 1];
+  at("aim").textContent = `${chosen.aim} --want 'height(${chosen.lowest_body}) at frame ${state.frame} = ${percent.toFixed(1)} %'`;
+  at("aim-copied").textContent = "";
 }
 
 function setMode(mode) {
@@ -349,14 +361,13 @@ function makePane(variant) {
   return pane;
 }
 
-async function copySnippet() {
-  const text = at("snippet").textContent;
+async function copy(from, said) {
   try {
-    await navigator.clipboard.writeText(text);
-    at("copied").textContent = "Copied.";
+    await navigator.clipboard.writeText(at(from).textContent);
+    at(said).textContent = "Copied.";
   } catch {
-    getSelection().selectAllChildren(at("snippet"));
-    at("copied").textContent = document.execCommand("copy") ? "Copied." : "Selected: copy it with Ctrl+C.";
+    getSelection().selectAllChildren(at(from));
+    at(said).textContent = document.execCommand("copy") ? "Copied." : "Selected: copy it with Ctrl+C.";
   }
 }
 
@@ -402,7 +413,8 @@ function listen() {
   at("gain").onchange = show;
   at("view-a").onpointerdown = event => { at("view-a").setPointerCapture(event.pointerId); dragEdge(event); };
   at("view-a").onpointermove = dragEdge;
-  at("copy").onclick = copySnippet;
+  at("copy").onclick = () => copy("snippet", "copied");
+  at("copy-aim").onclick = () => copy("aim", "aim-copied");
   at("energy").onchange = () => {
     const { chart, series } = plots[2];
     chart.data.datasets.forEach((set, i) => { set.data = series(shown[i]); });

@@ -6,8 +6,9 @@
 #include "core/base/error.h"
 #include "scenes/presets.h"
 #include "scenes/scene_file.h"
+#include "tools/trials/snippet.h"
+#include "tools/tune/aim_command.h"
 #include "tools/tune/preview.h"
-#include "tools/tune/snippet.h"
 #include "tools/tune/tuning.h"
 
 namespace umax {
@@ -83,8 +84,9 @@ TunePlan plan_tuning(const TuneRequest& request) {
     given.insert(given.end(), variant.settings.begin(), variant.settings.end());
     std::vector<Override> all = preview.settings;
     all.insert(all.end(), given.begin(), given.end());
-    TuneVariant one{.variant = variant, .scene = load_variant(request.scene, all, variant), .snippet = {}};
+    TuneVariant one{.variant = variant, .scene = load_variant(request.scene, all, variant), .snippet = {}, .aim = {}};
     one.snippet = scene_snippet(one.scene, lines_for_scene(settings, variant));
+    one.aim = aim_command(request.scene, settings, plan.variations, variant);
     plan.variants.push_back(std::move(one));
   }
   require_in_step(plan);

@@ -59,6 +59,7 @@ nlohmann::ordered_json numbers_of(const PageVariant& variant) {
   json["exit_code"] = variant.exit_code;
   json["failure"] = variant.failure;
   json["snippet"] = variant.snippet;
+  json["aim"] = variant.aim;
   if (variant.frames.empty()) return json;
   const VariantMeasures& measures = variant.measures;
   json["hexes"] = measures.hexes;
@@ -97,6 +98,10 @@ std::string data_of(const TunePage& page) {
     for (const std::string& frame : variant.frames) entry["frames"].push_back(base64(frame));
     if (!variant.frames.empty()) {
       const StepsFound& steps = variant.measures.steps;
+      entry["lowest_body"] = variant.measures.lowest_body;
+      std::vector<nlohmann::json> shares;
+      for (const double share : variant.measures.shares) shares.push_back(rounded(share));
+      entry["series"]["shares"] = shares;
       entry["series"]["ratio"] = per_frame(page, steps, "max_energy_ratio", true);
       entry["series"]["limits"] = per_frame(page, steps, "limits_active", true);
       for (const char* kind : {"elastic", "kinetic", "potential"})
@@ -105,16 +110,6 @@ std::string data_of(const TunePage& page) {
     json["variants"].push_back(std::move(entry));
   }
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
-void replace_all(std::string& text, const std::string& what, const std::string& with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
-    text.replace(at, what.size(), with);
-}
-
-/// Replaces a mark of the template, which stands there once.
-void fill_in(std::string& page, const std::string& mark, const std::string& text) {
-  page.replace(page.find("{{" + mark + "}}"), mark.size() + 4, text);
 }
 
 /// One WebP file after the other: each says how long it is.
@@ -207,11 +202,9 @@ std::vector<std::string> page_frames(const fs::path& run, int num_frames, int wi
 
 std::string tune_page_html(const TunePage& page, const std::string& library) {
   std::string html = embedded("page.html");
-  std::string data = data_of(page);
-  replace_all(data, "<", "\\u003c");  // no text may end the script
   fill_in(html, "title", html_text(page.title));
-  fill_in(html, "style", embedded("page.css"));
-  fill_in(html, "data", data);
+  fill_in(html, "style", page_style() + embedded("page.css"));
+  fill_in(html, "data", json_in_script(data_of(page)));
   fill_in(html, "library", library);
   fill_in(html, "script", embedded("page.js"));
   return html;

@@ -10,7 +10,7 @@
 namespace umax {
 
 struct PageVariant {
-  std::string name, label, snippet;
+  std::string name, label, snippet, aim;
   std::vector<std::string> values;  // one of each varied key
   int exit_code = 0;
   std::string failure;  // when it has no pictures

@@ -4,22 +4,15 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/files/write_file.h"
-#include "scenes/resolved_scene.h"
-#include "scenes/scene_file.h"
-#include "tools/run/job_estimate.h"
-#include "tools/run/run_folder.h"
 #include "tools/run/run_record.h"
-#include "tools/setup/simulation_setup.h"
-#include "tools/system/machine_memory.h"
 #include "tools/system/signals.h"
 #include "tools/system/version.h"
+#include "tools/trials/trial_names.h"
 #include "tools/tune/measures.h"
 #include "tools/tune/side_by_side.h"
 #include "tools/tune/tune_page.h"
-#include "tools/tune/workers.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -27,58 +20,16 @@ namespace {
 
 enum class Stage { simulate, pictures };
 
-/// What is there of a variant's run.
-struct Found {
-  bool is_other = false;  // another version of it: another scene, mesh or solver
-  int states = 0, pictures = 0;
-  bool is_whole = false;  // with pictures and clip, of these very settings
-};
-
-/// Whether the run was made with this very scene.
-bool is_scene_of(const fs::path& run, const Scene& scene) {
-  try {
-    return resolved_toml(load_scene((run / "scene.toml").string())) == resolved_toml(scene);
-  } catch (const Error&) {
-    return false;  // of another version, or its mesh has changed
-  }
-}
-
-/// is_ours: its states were made or found to be this scene's just now; only what it is seen by may have changed.
-Found look_for(const Scene& scene, const fs::path& run, bool is_ours) {
-  Found found;
-  const auto record = read_run_record(run / "run.json");
-  std::error_code error;
-  if (!record || !fs::exists(run / "scene.toml", error)) return found;
-  const bool same_scene = is_scene_of(run, scene);
-  found.is_other = !same_scene && !is_ours && set_up(scene).digest != record->model_sha256;
-  if (found.is_other) return found;
-  found.states = std::min(count_states(run), scene.clip.frames);
-  if (same_scene) found.pictures = std::min(count_pictures(run), scene.clip.frames);
-  found.is_whole = same_scene && record->exit_status == 0 && found.states == scene.clip.frames &&
-                   found.pictures == scene.clip.frames && fs::exists(run / "clip.mp4", error);
-  return found;
-}
-
-/// [bytes] of a run and its pictures; measured: 0.36 GiB with a surface of 116,000 vertices and few hexes.
-long long memory_of(const Scene& scene) {
-  return (450LL << 20) + (long long)(lattice_memory(size_of(scene))) + 400LL * scene.render.width * scene.render.height;
-}
-
 /// Does the stage of all variants that lack it; results are of these, `done` are those that failed before.
 class Runner {
  public:
-  Runner(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress)
+  Runner(const TunePlan& plan, const TuneFolder& folder, const TrialOptions& options, Progress& progress)
       : plan_(plan),
         folder_(folder),
         progress_(progress),
+        workers_(worker_options(options)),
         results_(plan.variants.size()),
-        is_ours_(plan.variants.size(), 0) {
-    workers_.threads = options.threads;
-    workers_.memory = options.memory ? *options.memory : available_memory();
-    // all of it for each: what runs beside it has been counted here
-    workers_.common_words = {"--memory", std::to_string(workers_.memory)};
-    if (options.strict) workers_.common_words.push_back("--strict");
-  }
+        is_ours_(plan.variants.size(), 0) {}
 
   const std::vector<WorkResult>& results() const { return results_; }
   bool is_fine(std::size_t i) const { return results_[i].exit_code == 0; }
@@ -103,20 +54,8 @@ class Runner {
 
  private:
   std::optional<WorkItem> item_for(const std::string& name, const Scene& scene, Stage stage, bool is_ours) const {
-    const fs::path run = folder_.run(name);
-    const Found found = look_for(scene, run, is_ours);
-    if (found.is_whole || (stage == Stage::simulate && found.states == scene.clip.frames)) return std::nullopt;
-    if (found.is_other) progress_.note(name + ": was made with other settings, and is made anew");
-    write_file(folder_.scene(name), resolved_toml(scene));
-    const bool pictures = stage == Stage::pictures;
-    WorkItem item;
-    item.name = name;
-    item.words = {pictures ? "run" : "simulate", folder_.scene(name).string(), "-o", run.string(),
-                  found.is_other ? "--overwrite" : "--resume"};
-    item.frames = scene.clip.frames * (pictures ? 2 : 1);
-    item.frames_done = found.states + (pictures ? found.pictures : 0);
-    item.memory = memory_of(scene);
-    return item;
+    return missing_work({.name = name, .scene = folder_.scene(name), .run = folder_.run(name)}, scene,
+                        {.last_frame = scene.clip.frames, .pictures = stage == Stage::pictures}, is_ours, progress_);
   }
 
   const TunePlan& plan_;
@@ -196,6 +135,7 @@ TunePage describe(const TunePlan& plan, const std::vector<VariantMeasures>& meas
     page.variants.push_back({.name = one.variant.name,
                              .label = one.variant.label,
                              .snippet = one.snippet,
+                             .aim = one.aim,
                              .values = one.variant.values,
                              .exit_code = runner.results()[i].exit_code,
                              .failure = runner.results()[i].message,
@@ -234,7 +174,7 @@ int stopped(Progress& progress) {
 
 }  // namespace
 
-int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress) {
+int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TrialOptions& options, Progress& progress) {
   const std::string library = plotting_library();
   Runner runner(plan, folder, options, progress);
   std::vector<Scene> scenes = scenes_of(plan);

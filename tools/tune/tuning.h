@@ -1,12 +1,12 @@
 // Runs the variants of a scene and writes what shows them side by side.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "scenes/scene_document.h"
 #include "tools/system/progress.h"
+#include "tools/trials/trial_runs.h"
 #include "tools/tune/tune_folder.h"
 #include "tools/tune/variants.h"
 
@@ -21,18 +21,12 @@ struct TuneRequest {
   bool final = false;                        // the scene as it is, not a preview of it
 };
 
-/// What the variants' runs get of the machine, and what they are told.
-struct TuneRunOptions {
-  int threads = 1;                       // of all together
-  std::optional<long long> memory = {};  // [bytes] of all together; none: what the machine has to give
-  bool strict = false;                   // a step that does not converge ends its run
-};
-
 /// A variant as it is to be run.
 struct TuneVariant {
   SceneVariant variant;
   Scene scene;  // with the preview's settings
   std::string snippet;
+  std::string aim;  // see aim_command()
 };
 
 struct TunePlan {
@@ -48,6 +42,6 @@ TunePlan plan_tuning(const TuneRequest& request);
 
 /// Runs what is missing and writes sheet, clip and page; returns the exit code: 0, that of the first variant that
 /// failed, or 128 + n after signal n. Throws Error when nothing can be shown.
-int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TuneRunOptions& options, Progress& progress);
+int do_tuning(const TunePlan& plan, const TuneFolder& folder, const TrialOptions& options, Progress& progress);
 
 }  // namespace umax

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <map>
-#include <string_view>
 
 #include "core/base/error.h"
 #include "core/base/trimmed.h"
-#include "scenes/scene_file.h"
+#include "tools/trials/trial_names.h"
 
 namespace umax {
 namespace {
@@ -42,23 +41,6 @@ std::vector<std::string> split_list(const std::string& list, const std::string& 
   return parts;
 }
 
-bool ends_with_part(const std::string& key, const std::string& end) {
-  return key == end || key.ends_with("." + end);
-}
-
-/// As a folder's name that no shell and no file system minds.
-std::string file_name(const std::string& text) {
-  constexpr std::string_view kept = "=%.,-_+#";
-  std::string name;
-  for (const char c : text)
-    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-        kept.find(c) != std::string_view::npos)
-      name += c;
-    else if (c != ' ' && c != '"' && c != '\'')
-      name += '_';
-  return name.substr(0, 120);
-}
-
 /// "stretch 5%"; a material says by itself what it is.
 std::string label_of(const std::string& key, std::string value) {
   if (key != "preset") return key + " " + value;
@@ -76,7 +58,7 @@ SceneVariant variant_of(const std::vector<Variation>& variations, const std::vec
   for (std::size_t i = 0; i < variations.size(); ++i) {
     for (const std::string& key : variations[i].keys) variant.settings.push_back({key, variant.values[i]});
     const std::string key = short_key(variations[i].keys.front(), keys);
-    variant.name += (i == 0 ? "" : ",") + file_name(key + "=" + variant.values[i]);
+    variant.name += (i == 0 ? "" : ",") + folder_name(key + "=" + variant.values[i]);
     variant.label += (i == 0 ? "" : ", ") + label_of(key, variant.values[i]);
   }
   return variant;
@@ -104,16 +86,6 @@ Variation parse_variation(const std::string& text) {
       refuse(where, "has a value twice", *value, "leave one out");
   }
   return variation;
-}
-
-std::string short_key(const std::string& key, const std::vector<std::string>& keys) {
-  for (std::size_t dot = key.rfind('.'); dot != std::string::npos && dot > 0; dot = key.rfind('.', dot - 1)) {
-    const std::string end = key.substr(dot + 1);
-    const auto others = std::count_if(
-        keys.begin(), keys.end(), [&](const std::string& other) { return other != key && ends_with_part(other, end); });
-    if (others == 0) return end;
-  }
-  return key;
 }
 
 std::vector<SceneVariant> combinations(const std::vector<Variation>& variations) {

@@ -31,8 +31,4 @@ inline constexpr int most_variants = 100;
 /// most_variants.
 std::vector<SceneVariant> combinations(const std::vector<Variation>& variations);
 
-/// The shortest end of the key, at dots, that no other of these keys ends with: "stretch" of
-/// "body.figure.limit.stretch".
-std::string short_key(const std::string& key, const std::vector<std::string>& keys);
-
 }  // namespace umax

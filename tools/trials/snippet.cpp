@@ -1,4 +1,4 @@
-#include "tools/tune/snippet.h"
+#include "tools/trials/snippet.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,19 +12,49 @@ struct Place {
   std::string thing, header, name;
 };
 
+/// The place where the dot stands that ends the word that begins at `begin`, or the text's end.
+std::size_t end_of_word(const std::string& key, std::size_t begin) {
+  return std::min(key.find('.', begin), key.size());
+}
+
+/// "body.NAME.pin.PIN.stiffness": a part of a thing, which has a table of its own.
+void enter_inner_section(const std::string& key, Place& place) {
+  const std::size_t begin = place.header.size() + 1, dot = end_of_word(key, begin), end = end_of_word(key, dot + 1);
+  const SceneSection* inner =
+      end < key.size() ? find_inner_section(*place.section, key.substr(begin, dot - begin)) : nullptr;
+  if (!inner) return;
+  place.section = inner;
+  place.thing += "." + key.substr(dot + 1, end - dot - 1);
+  place.header = key.substr(0, end);
+  place.name = key.substr(end + 1);
+}
+
 Place place_of(const std::string& key) {
   Place place;
   const std::size_t dot = key.find('.');
   place.section = find_section(dot == std::string::npos ? "" : key.substr(0, dot));
-  if (dot == std::string::npos) {
+  if (dot == std::string::npos || !place.section) {
     place.name = key;
     return place;
   }
-  const std::size_t end = place.section->named ? key.find('.', dot + 1) : dot;
+  const std::size_t end = place.section->named ? end_of_word(key, dot + 1) : dot;
   place.header = key.substr(0, end);
-  place.name = key.substr(end + 1);
-  if (place.section->named) place.thing = key.substr(dot + 1, end - dot - 1);
+  place.name = end < key.size() ? key.substr(end + 1) : "";
+  if (!place.section->named) return place;
+  place.thing = key.substr(dot + 1, end - dot - 1);
+  enter_inner_section(key, place);
   return place;
+}
+
+std::optional<std::string> value_at(const Scene& scene, const Place& place) {
+  std::size_t index = 0;
+  if (place.section->named) {
+    const std::vector<std::string> names = place.section->names(scene);
+    index = std::size_t(std::find(names.begin(), names.end(), place.thing) - names.begin());
+    if (index == names.size()) return std::nullopt;
+  }
+  const SceneKey* key = place.section->find(place.name);
+  return key ? key->write(scene, index) : std::nullopt;
 }
 
 /// "5 %" and "gel" stay what they are; lists, numbers and paths are the scene's.
@@ -33,14 +63,8 @@ std::string value_of(const Scene& scene, const Override& setting, const Place& p
   const bool is_quantity = setting.value.find_first_of("[{\"'") == std::string::npos &&
                            setting.value.find_first_of("0123456789") < 2 &&
                            setting.value.find_first_not_of("+-.0123456789eE") != std::string::npos;
-  if (is_quantity) return quoted;
-  std::size_t index = 0;
-  if (place.section->named) {
-    const std::vector<std::string> names = place.section->names(scene);
-    index = std::size_t(std::find(names.begin(), names.end(), place.thing) - names.begin());
-  }
   // presets have been expanded, and are written by name
-  return place.section->find(place.name)->write(scene, index).value_or(quoted);
+  return is_quantity ? quoted : value_at(scene, place).value_or(quoted);
 }
 
 }  // namespace
@@ -62,6 +86,11 @@ std::string scene_snippet(const Scene& scene, const std::vector<Override>& setti
     text += lines;
   }
   return text;
+}
+
+std::optional<std::string> value_in_scene(const Scene& scene, const std::string& key) {
+  const Place place = place_of(key);
+  return place.section ? value_at(scene, place) : std::nullopt;
 }
 
 }  // namespace umax

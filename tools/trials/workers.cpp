@@ -1,4 +1,4 @@
-#include "tools/tune/workers.h"
+#include "tools/trials/workers.h"
 
 #include <fmt/format.h>
 #include <poll.h>
