@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "tools/aim/verdict.h"
 #include "tools/pictures/painter.h"
 #include "tools/pictures/plot.h"
 #include "tools/pictures/strip.h"
@@ -95,10 +94,10 @@ bool write_before_after(const AimPlan& plan, const AimFolder& folder, const AimR
   for (const int frame : frames_of(best))
     for (std::size_t i = 0; i < shown.size(); ++i) {
       const Simulation& simulation = *simulations[i];
-      const std::string moment = fmt::format(" at {:.2f} s", (frame - 1) / plan.scene.clip.fps);
+      const std::string moment = fmt::format(", {:.2f} s", (frame - 1) / plan.scene.clip.fps);
       items.push_back({simulations[i],
                        read_state(state_path(folder.run(shown[i]->name), frame), simulation.model, simulation.digest),
-                       (i == 0 ? "before" : values_text(plan, *shown[i])) + moment});
+                       (i == 0 ? "before" : "after") + moment});
     }
   const RenderDescription render = strip_render(plan);
   return Painter(render, threads).paint(make_strip(items, double(render.width) / render.height), folder.strip());

@@ -85,12 +85,17 @@ std::string curve_of(const std::vector<double>& means, double max_flip) {
     series.x.push_back(double(i + 1));
     series.y.push_back(means[i]);
   }
-  return draw_svg({.title = "difference of each picture",
-                   .x = {.label = "picture", .whole_numbers = true},
-                   .panels = {{.y = {.label = "mean FLIP [-]", .low = 0},
-                               .series = {std::move(series)},
-                               .levels = {{"threshold", max_flip}},
-                               .height = 160}}});
+  Plot plot;
+  plot.title = "difference of each picture";
+  plot.x.label = "picture";
+  plot.x.whole_numbers = true;
+  PlotPanel& panel = plot.panels.emplace_back();
+  panel.y.label = "mean FLIP [-]";
+  panel.y.low = 0;
+  panel.series.push_back(std::move(series));
+  panel.levels = {{"threshold", max_flip}};
+  panel.height = 160;
+  return draw_svg(plot);
 }
 
 /// Every picture counts for itself: the worst one decides.
