@@ -193,6 +193,36 @@ def test_slider(page):
     page.run("document.activeElement.blur()")
 
 
+def test_no_limit(program, folder):
+    """A ball without a limit is given one while it moves, and loses it again."""
+    folder.mkdir()
+    lines = [line for line in SCENE.splitlines() if not line.startswith("limit.")]
+    check("there was a limit", len(lines) < len(SCENE.splitlines()))
+    (folder / "soft.toml").write_text("\n".join(lines))
+    live = Live(program, folder / "soft.toml", folder)
+    page = None
+    try:
+        page = Page(live.address())
+        box = page.browser.find_element(By.CSS_SELECTOR, "input[type=text][aria-label='body.ball.limit.stretch']")
+        check("a limit that is not there is none", box.get_attribute("value") == "none")
+        page.click("play")
+        until("it lies on the ground", lambda: page.frame("contacts") > 0)
+        check("no hex is at a limit", page.frame("limits") == 0)
+        page.slide("input[type=range][data-key='body.ball.limit.stretch']", 0)
+        until("the limit at its goal", lambda: page.run("return umaxLive.sliders[0].value") == 0.005)
+        until("hexes at their limit", lambda: page.frame("limits") > 0)
+        box.send_keys(Keys.CONTROL, "a")
+        box.send_keys("none", Keys.ENTER)
+        until("none again", lambda: page.run("return umaxLive.sliders[0].value") == 10 and page.frame("limits") == 0)
+        check("which the readout says", box.get_attribute("value") == "none")
+        check(f"no error in the browser {page.errors()}", not page.errors())
+    finally:
+        if page:
+            page.browser.quit()
+        live.process.send_signal(signal.SIGINT)
+        live.process.wait(timeout=20)
+
+
 def test_pull(page, pictures):
     resting = page.height()
     x, y = page.middle()
@@ -337,6 +367,7 @@ def main(program, pictures=None):
                 page.browser.quit()
             live.process.send_signal(signal.SIGINT)
             code = live.process.wait(timeout=20)
+        test_no_limit(program, folder / "soft")
         check(f"Ctrl-C ends it with 130, not {code}, and keeps the session", code == 130 and "session-03.toml" in live.text())
 
 

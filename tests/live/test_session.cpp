@@ -3,6 +3,7 @@
 #include "tests/live/live_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
+#include "tools/pictures/heat.h"
 #include "tools/setup/limit_report.h"
 
 using namespace umax;
@@ -278,4 +279,56 @@ TEST_CASE("scenes that a live session cannot run are refused with the remedy") {
   CHECK(preroll.code == 65);
   CHECK(contains(preroll.message, "clip.preroll"));
   CHECK(contains(preroll.remedy, "clip.preroll=0"));
+}
+
+TEST_CASE("a body without a limit is given one while it moves: it begins where the body is stretched most, and holds") {
+  const TemporaryFolder folder;
+  std::string text = live_scene_text("velocity = [0, -6, 0]\n");
+  const std::string limit = "limit.stretch = \"10 %\"\n";
+  text.erase(text.find(limit), limit.size());
+  make_file(folder / "soft.toml", text);
+  Session session(load_scene((folder / "soft.toml").string(), {}));
+  const std::size_t key = key_of(session, "body.block.limit.stretch");
+  CHECK(session.keys[key].may_be_none);
+  CHECK(value_now(session, key) == no_limit);
+  CHECK_FALSE(set_key(session, key, 1.1 * no_limit));
+  std::vector<std::string> states;
+  const auto stretch = [&] {
+    return heat_values(session.simulation, session.state, Heatmap::stretch).maxCoeff() / 100;
+  };
+  while (stretch() < 0.15 && session.state.step < 60) step_often(session, 1, states);
+  const double at_first = stretch();
+  REQUIRE(at_first > 0.1);
+  REQUIRE(set_key(session, key, 0.05));
+  CHECK(value_now(session, key) == Approx(1.05 * at_first));
+  for (int i = 0; i < 80; ++i) {
+    const double before = value_now(session, key);
+    step_often(session, 1, states);
+    CHECK(session.simulation.scene.bodies[0].limit.value.at(session.state.time) >= before - 0.5 / 120 - 1e-9);
+    CHECK((session.last.max_energy_ratio <= 1.001 || session.last.status == StepStatus::infeasible));
+    CHECK(session.last.max_energy_ratio > 0);
+  }
+  CHECK(value_now(session, key) == 0.05);
+  CHECK(stretch() <= 0.05 * std::sqrt(1.001) + 1e-6);
+  REQUIRE(set_key(session, key, no_limit));
+  CHECK(value_now(session, key) == no_limit);
+  step_often(session, 6, states);
+  CHECK(replayed(session, folder, session.state.step) == states);
+}
+
+TEST_CASE("a limit that is there and is never reached moves nothing") {
+  const TemporaryFolder folder;
+  std::string text = live_scene_text();
+  const std::string limit = "limit.stretch = \"10 %\"\n";
+  text.erase(text.find(limit), limit.size());
+  make_file(folder / "soft.toml", text);
+  const Scene scene = load_scene((folder / "soft.toml").string(), {});
+  Session session(scene);
+  std::vector<std::string> states;
+  step_often(session, 40, states);
+  const Simulation bare = set_up(scene);
+  Stepping stepping = begin_stepping(bare);
+  State state = rest_state(bare.model);
+  for (int i = 0; i < 40; ++i) advance(stepping, {}, state);
+  CHECK((state.positions - session.state.positions).cwiseAbs().maxCoeff() < 1e-7);
 }

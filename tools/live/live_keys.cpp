@@ -77,6 +77,10 @@ void add_limits(const BodyDescription& body, int number, std::vector<LiveKey>& k
     key.most = limit.unit == LimitUnit::stretch ? 1 : 1e6 * now;
     key.slider_low = limit.unit == LimitUnit::stretch ? 0.005 : 1e-3 * now;
     key.slider_high = limit.unit == LimitUnit::stretch ? 1 : 1e3 * now;
+    if (limit.unit == LimitUnit::stretch && now >= no_limit) {
+      key.may_be_none = true;
+      key.most = no_limit;
+    }
     keys.push_back(key);
   }
 }
@@ -126,6 +130,14 @@ double stretch_of(const LiveKey& key, const Simulation& simulation, double value
 double LiveKey::value_at(const Scene& scene, double time) const {
   if (kind == LiveKind::gravity) return scene.clip.gravity.at(time).dot(direction);
   return track_in(*this, scene.bodies[std::size_t(body)]).at(time);
+}
+
+Scene with_turnable_limits(Scene scene) {
+  if (scene.solver.method != SolverMethod::exact) return scene;
+  for (BodyDescription& body : scene.bodies)
+    if (body.limit.kind == LimitKind::none)
+      body.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = Track<double>(no_limit)};
+  return scene;
 }
 
 std::vector<LiveKey> live_keys(const Scene& scene) {

@@ -10,6 +10,9 @@ namespace umax {
 
 enum class LiveKind { limit, young, density, damping_mass, damping_stiffness, friction, gravity };
 
+/// [-] A limit of this stretch is none: what holds together comes nowhere near it. Limits that a scene lacks begin there.
+inline constexpr double no_limit = 10;
+
 struct LiveKey {
   std::string path;  // as the scene has it: "body.figure.limit.stretch"
   LiveKind kind = LiveKind::limit;
@@ -19,9 +22,14 @@ struct LiveKey {
   Vector3d direction{0, -1, 0};            // of gravity, whose strength is turned
   double least = 0, most = 0;              // that a message may set, in the scene's unit
   double slider_low = 0, slider_high = 0;  // where its slider begins (beside 0, where that is allowed) and ends
+  bool may_be_none = false;                // a limit that the scene lacks: no_limit takes it away again
   bool is_animated = false;                // the scene has keys of its own for it: it cannot be turned
   double value_at(const Scene& scene, double time) const;
 };
+
+/// The scene with a limit of no_limit on every body that has none on its whole energy, so that it can be turned down. The
+/// paper's method, which has no use for limits that nothing reaches, is left as it is.
+Scene with_turnable_limits(Scene scene);
 
 /// All keys of a scene's bodies, whatever limits they have, and of gravity.
 std::vector<LiveKey> live_keys(const Scene& scene);

@@ -111,10 +111,17 @@ const char* unit_of(const LiveKey& key) {
 json json_of(const LiveKey& key) {
   const bool is_stretch = key.kind == LiveKind::limit && key.unit == LimitUnit::stretch;
   const double scale = is_stretch ? 100 : key.kind == LiveKind::young ? 1e-3 : 1;
-  return {{"path", key.path},           {"body", key.body},      {"limit", key.kind == LiveKind::limit},
-          {"unit", unit_of(key)},       {"scale", scale},        {"least", key.least},
-          {"most", key.most},           {"low", key.slider_low}, {"high", key.slider_high},
-          {"animated", key.is_animated}};
+  return {{"path", key.path},
+          {"body", key.body},
+          {"limit", key.kind == LiveKind::limit},
+          {"unit", unit_of(key)},
+          {"scale", scale},
+          {"least", key.least},
+          {"most", key.most},
+          {"low", key.slider_low},
+          {"high", key.slider_high},
+          {"animated", key.is_animated},
+          {"none", key.may_be_none ? json(no_limit) : json(nullptr)}};
 }
 
 json json_of(const Vector3d& v) {

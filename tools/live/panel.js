@@ -57,7 +57,8 @@ class Slider {
   }
 
   fillPresets() {
-    for (const [value, words] of presetsOf[this.about.unit] || []) {
+    const none = this.about.none ? [[this.about.none * this.about.scale, 'none']] : [];
+    for (const [value, words] of [...(presetsOf[this.about.unit] || []), ...none]) {
       const option = document.createElement('option');
       option.value = value, option.textContent = words;
       this.presets.append(option);
@@ -69,8 +70,14 @@ class Slider {
     this.text.disabled = this.range.disabled = this.presets.disabled = !yes || this.about.animated;
   }
 
+  // a value in words: a limit that is none has no number
+  shown(value) {
+    return this.about.none && value >= this.about.none ? 'none' : shownNumber(value * this.about.scale);
+  }
+
   typed() {
-    const value = typedNumber(this.text.value, this.about.unit) / this.about.scale;
+    const none = this.about.none && this.text.value.trim() === 'none';
+    const value = none ? this.about.none : typedNumber(this.text.value, this.about.unit) / this.about.scale;
     if (value >= this.about.least && value <= this.about.most) this.wish(value);
     else this.show(this.value, this.goal, true);
   }
@@ -78,22 +85,24 @@ class Slider {
   wish(value) {
     this.touched = performance.now();
     this.goal = value;
-    this.text.value = shownNumber(value * this.about.scale);
+    this.text.value = this.shown(value);
     this.range.value = 1000 * this.toShare(value);
     this.turned(value);
   }
 
-  // the lowest twentieth is 0 where the key may be 0
+  // the lowest twentieth is 0 where the key may be 0, the highest is none where it may be none
   toShare(value) {
-    const {low, high, least} = this.about, from = least === 0 ? 0.05 : 0;
+    const {low, high, least, none} = this.about, from = least === 0 ? 0.05 : 0, to = none ? 0.95 : 1;
     if (value <= 0) return 0;
+    if (none && value >= none) return 1;
     const share = Math.log(value / low) / Math.log(high / low);
-    return from + (1 - from) * Math.min(1, Math.max(0, share));
+    return from + (to - from) * Math.min(1, Math.max(0, share));
   }
   fromShare(share) {
-    const {low, high, least} = this.about, from = least === 0 ? 0.05 : 0;
+    const {low, high, least, none} = this.about, from = least === 0 ? 0.05 : 0, to = none ? 0.95 : 1;
     if (least === 0 && share < 0.025) return 0;
-    const value = low * Math.pow(high / low, Math.max(0, (share - from) / (1 - from)));
+    if (none && share > 0.975) return none;
+    const value = low * Math.pow(high / low, Math.min(1, Math.max(0, (share - from) / (to - from))));
     return Number(value.toPrecision(3));
   }
 
@@ -108,7 +117,7 @@ class Slider {
     }
     if (!always && (document.activeElement === this.text || performance.now() - this.touched < 400)) return;
     this.goal = goal;
-    this.text.value = shownNumber(goal * this.about.scale);
+    this.text.value = this.shown(goal);
     this.range.value = 1000 * this.toShare(goal);
   }
 }

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/files/sha256.h"
+#include "tools/pictures/heat.h"
 #include "tools/setup/body_contact.h"
 #include "tools/system/seconds_since.h"
 
@@ -31,6 +32,15 @@ void hold_now(Session& session, std::size_t key, double value) {
   if (value == value_now(session, key)) return;
   hold_from(session.keys[key], time_of_change(session), value, session.simulation);
   forget_model(session.stepping);
+}
+
+// [-] of any hex of a body: a limit that was none has nowhere to fall from but there
+double largest_stretch(const Session& session, int body) {
+  const Model::BodyRange& range = session.simulation.model.bodies[std::size_t(body)];
+  return heat_values(session.simulation, session.state, Heatmap::stretch)
+             .segment(range.first_hex, range.num_hexes)
+             .maxCoeff() /
+         100;
 }
 
 void lead_limits(Session& session) {
@@ -81,7 +91,7 @@ Pull pull_of(const Session& session, const Grab& grab) {
 
 }  // namespace
 
-Session::Session(const Scene& scene) : simulation(set_up(scene)), original(simulation.scene) {
+Session::Session(const Scene& scene) : simulation(set_up(with_turnable_limits(scene))), original(simulation.scene) {
   if (!original.clip.allow_overlap) require_clear_start(simulation.model);
   if (original.clip.preroll > 0)
     throw Error(Fault::bad_data, {.where = "clip.preroll",
@@ -112,6 +122,8 @@ bool set_key(Session& session, std::size_t key, double value) {
   const LiveKey& of = session.keys[key];
   if (of.is_animated || !(value >= of.least && value <= of.most)) return false;
   session.goals[key] = value;
+  if (of.may_be_none && value < no_limit && value_now(session, key) >= no_limit && session.state.step > 0)
+    hold_now(session, key, std::clamp(1.05 * largest_stretch(session, of.body), value, no_limit));
   // nothing is strained before the first step, and what does not fall throws nothing
   if (of.kind != LiveKind::limit || value >= value_now(session, key) || session.state.step == 0)
     hold_now(session, key, value);
