@@ -277,7 +277,11 @@ void append_springs(const HexConditions& of, const Points& rest_nodes, const Hex
 }  // namespace
 
 BodyPins::BodyPins(std::vector<Pin> pins, const Points& rest_nodes, const Hexes& hexes)
-    : pins_(std::move(pins)), rest_nodes_(rest_nodes), hexes_(hexes), memory_(std::make_unique<Memory>()) {}
+    : pins_(std::move(pins)), rest_nodes_(rest_nodes), hexes_(hexes), memory_(std::make_shared<Memory>()) {}
+BodyPins::BodyPins(const BodyPins& same, std::size_t pin, const Track<Vector3d>& position)
+    : pins_(same.pins_), rest_nodes_(same.rest_nodes_), hexes_(same.hexes_), memory_(same.memory_) {
+  pins_[pin].motion.position = position;
+}
 BodyPins::~BodyPins() = default;
 
 std::vector<char> BodyPins::active_at(double time) const {

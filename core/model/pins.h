@@ -76,6 +76,8 @@ class BodyPins {
  public:
   /// rest_nodes: #N x 3 [m]; hexes: #E x 8 of these, of the body alone.
   BodyPins(std::vector<Pin> pins, const Points& rest_nodes, const Hexes& hexes);
+  /// The same, but that one of the pins is moved otherwise: what follows from where they hold is shared.
+  BodyPins(const BodyPins& same, std::size_t pin, const Track<Vector3d>& position);
   ~BodyPins();
 
   const std::vector<Pin>& pins() const { return pins_; }
@@ -103,7 +105,7 @@ class BodyPins {
   Points rest_nodes_;
   Hexes hexes_;
   struct Memory;
-  std::unique_ptr<Memory> memory_;
+  std::shared_ptr<Memory> memory_;
 };
 
 }  // namespace umax

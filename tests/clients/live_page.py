@@ -223,6 +223,36 @@ def test_no_limit(program, folder):
         live.process.wait(timeout=20)
 
 
+def test_pin(program, folder):
+    """The mark of a pin is dragged, and its body comes along."""
+    folder.mkdir()
+    pin = "pin.top.box = { min = [-1, 1.15, -1], max = [1, 2, 1] }\nlook.color"
+    (folder / "held.toml").write_text(SCENE.replace("look.color", pin))
+    live = Live(program, folder / "held.toml", folder)
+    page = None
+    try:
+        page = Page(live.address())
+        x, y = page.run("""
+          const at = new THREE.Vector3(...umaxLive.hello.pins[0].place).project(camera), canvas = document.getElementById('view');
+          return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];""")
+        page.click("play")
+        canvas = page.browser.find_element(By.ID, "view")
+        ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
+        until("handles at the pin", lambda: page.run("return Boolean(handles.object) && umaxLive.chosen === 2"))
+        lowest = page.height()
+        page.run("handle.position.y += 0.3; live.placed = live.places = true;")  # as dragging does
+        until("the body comes along", lambda: page.height() > lowest + 0.2)
+        mark = "return umaxLive.obstacles[2].matrix.elements[13] - umaxLive.hello.pins[0].place[1]"
+        until("and the mark", lambda: abs(page.run(mark) - 0.3) < 1e-3)
+        check("a pin is moved by its handle, and leads its body", True)
+        check(f"no error in the browser {page.errors()}", not page.errors())
+    finally:
+        if page:
+            page.browser.quit()
+        live.process.send_signal(signal.SIGINT)
+        live.process.wait(timeout=20)
+
+
 def test_pull(page, pictures):
     resting = page.height()
     x, y = page.middle()
@@ -368,6 +398,7 @@ def main(program, pictures=None):
             live.process.send_signal(signal.SIGINT)
             code = live.process.wait(timeout=20)
         test_no_limit(program, folder / "soft")
+        test_pin(program, folder / "held")
         check(f"Ctrl-C ends it with 130, not {code}, and keeps the session", code == 130 and "session-03.toml" in live.text())
 
 

@@ -58,7 +58,7 @@ void obey(Session& session, const Message& message) {
   if (message.wish == Wish::move && session.grab)
     grab(session, {session.grab->body, session.grab->vertex, message.place});
   if (message.wish == Wish::release) release(session);
-  if (message.wish == Wish::place) place_obstacle(session, std::size_t(message.obstacle), message.place);
+  if (message.wish == Wish::place) place_handle(session, std::size_t(message.obstacle), message.place);
 }
 
 }  // namespace

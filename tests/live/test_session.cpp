@@ -1,5 +1,6 @@
 #include "tools/live/session.h"
 
+#include "core/model/pins.h"
 #include "tests/live/live_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
@@ -199,14 +200,14 @@ TEST_CASE(
   Session session(
       live_scene(folder, "[obstacle.fist]\nshape = \"box\"\nsize = [0.2, 0.2, 0.6]\nposition = [-0.6, 0.15, 0]\n"));
   REQUIRE(session.original.obstacles[0].name == "fist");
-  CHECK_FALSE(place_obstacle(session, 1, {0, 1, 0}));  // the ground
-  CHECK_FALSE(place_obstacle(session, 2, {0, 1, 0}));
-  CHECK_FALSE(place_obstacle(session, 0, {0, double(NAN), 0}));
+  CHECK_FALSE(place_handle(session, 1, {0, 1, 0}));  // the ground
+  CHECK_FALSE(place_handle(session, 2, {0, 1, 0}));
+  CHECK_FALSE(place_handle(session, 0, {0, double(NAN), 0}));
   std::vector<std::string> states;
   step_often(session, 10, states);
   const auto fist = [&](double time) { return session.simulation.model.obstacles[0].position.at(time).x(); };
   const double before = session.state.positions.col(0).mean();
-  REQUIRE(place_obstacle(session, 0, {-0.1, 0.15, 0}));
+  REQUIRE(place_handle(session, 0, {-0.1, 0.15, 0}));
   for (int i = 0; i < 40; ++i) {
     const double then = fist(session.state.time);
     step_often(session, 1, states);
@@ -331,4 +332,43 @@ TEST_CASE("a limit that is there and is never reached moves nothing") {
   State state = rest_state(bare.model);
   for (int i = 0; i < 40; ++i) advance(stepping, {}, state);
   CHECK((state.positions - session.state.positions).cwiseAbs().maxCoeff() < 1e-7);
+}
+
+TEST_CASE("a pin that is moved leads its points at two metres a second, and is simulated again to the last bit") {
+  const TemporaryFolder folder;
+  Session session(
+      live_scene(folder,
+                 "pin.low.box = { min = [-9, -9, -9], max = [9, 0.12, 9] }\n"
+                 "pin.led.box = { min = [-9, 0.38, -9], max = [9, 9, 9] }\npin.led.follow.position = { keys = [[0, "
+                 "[0, 0, 0]], [0.5, [0.1, 0, 0]]], interpolation = \"linear\" }\n"));
+  const std::size_t first = session.original.obstacles.size();
+  REQUIRE(count_handles(session.original) == first + 2);
+  const bool low_is_first = session.original.pins[0].name == "low";
+  const std::size_t low = first + (low_is_first ? 0 : 1), led = first + (low_is_first ? 1 : 0);
+  CHECK_FALSE(place_handle(session, led, {0, 1, 0}));  // the scene animates it
+  CHECK_FALSE(place_handle(session, first + 2, {0, 1, 0}));
+  std::vector<std::string> states;
+  step_often(session, 6, states);
+  const auto place = [&] { return place_at(session.simulation, low, session.state.time); };
+  const Vector3d start = place(), goal = start + Vector3d(0, 0.05, -0.2);
+  const double before = session.state.positions.col(2).mean();
+  REQUIRE(place_handle(session, low, goal));
+  for (int i = 0; i < 30; ++i) {
+    const Vector3d then = place();
+    step_often(session, 1, states);
+    CHECK((place() - then).norm() <= 2 * session.simulation.options.time_step * (1 + 1e-9));
+  }
+  CHECK((place() - goal).norm() < 1e-12);
+  // the exact points are where they are told
+  const PinDemands demands = session.simulation.model.bodies[0].pins->demands_at(session.state.time);
+  REQUIRE(!demands.nodes.empty());
+  for (std::size_t i = 0; i < demands.nodes.size(); ++i)
+    CHECK((session.state.positions.row(demands.nodes[i]) - demands.places.row(Eigen::Index(i))).norm() < 1e-6);
+  CHECK(session.state.positions.col(2).mean() < before - 0.05);
+  CHECK(replayed(session, folder, (long long)(states.size())) == states);
+  restart(session);
+  CHECK((place() - start).norm() < 1e-12);
+  std::vector<std::string> again;
+  step_often(session, 6, again);
+  CHECK(again == std::vector<std::string>(states.begin(), states.begin() + 6));
 }

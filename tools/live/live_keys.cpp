@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/pins.h"
 #include "tools/setup/limit_report.h"
 
 namespace umax {
@@ -118,6 +119,38 @@ LiveKey gravity_key(const ClipDescription& clip) {
   return key;
 }
 
+// a pin of the scene among those of its body
+struct PlacedPin {
+  const Model::BodyRange* body = nullptr;
+  std::size_t number = 0;
+  const Pin& pin() const { return body->pins->pins()[number]; }
+};
+
+PlacedPin find_pin(const Simulation& simulation, std::size_t pin) {
+  const std::string& name = simulation.scene.pins[pin].body;
+  PlacedPin found;
+  for (const Model::BodyRange& body : simulation.model.bodies)
+    if (body.name == name) found.body = &body;
+  for (std::size_t i = 0; i < pin; ++i) found.number += simulation.scene.pins[i].body == name;
+  return found;
+}
+
+Vector3d middle_of(const Pin& pin) {
+  return 0.5 * (pin.rest.colwise().minCoeff() + pin.rest.colwise().maxCoeff()).transpose();
+}
+
+// changes the track of a pin's place in the scene and in the model alike, if it changes it
+template <class Change>
+void change_pin(std::size_t pin, Simulation& simulation, const Change& change) {
+  const PlacedPin placed = find_pin(simulation, pin);
+  Track<Vector3d> track = placed.pin().motion.position;
+  change(track);
+  if (track == placed.pin().motion.position) return;
+  simulation.scene.pins[pin].position = track;
+  Model::BodyRange& body = simulation.model.bodies[std::size_t(placed.body - simulation.model.bodies.data())];
+  body.pins = std::make_shared<const BodyPins>(*body.pins, placed.number, track);
+}
+
 // the stretch that a limit means
 double stretch_of(const LiveKey& key, const Simulation& simulation, double value, double time) {
   const auto body = std::size_t(key.body);
@@ -169,19 +202,44 @@ void drop_from(const LiveKey& key, double time, Simulation& simulation) {
   cut(time, track_in(key, simulation.model.bodies[std::size_t(key.body)]));
 }
 
-bool can_place(const Scene& original, std::size_t obstacle) {
-  const ObstacleDescription& of = original.obstacles[obstacle];
+std::size_t count_handles(const Scene& scene) {
+  return scene.obstacles.size() + scene.pins.size();
+}
+
+bool can_place(const Scene& original, std::size_t handle) {
+  if (handle >= original.obstacles.size()) {
+    const PinDescription& pin = original.pins[handle - original.obstacles.size()];
+    return pin.cache.path.empty() && (!pin.position || pin.position->is_constant());
+  }
+  const ObstacleDescription& of = original.obstacles[handle];
   return !std::holds_alternative<HalfSpace>(of.shape) && of.cache.path.empty() && of.position.is_constant();
 }
 
-void place_from(std::size_t obstacle, double time, const Vector3d& place, Simulation& simulation) {
-  hold(time, place, simulation.scene.obstacles[obstacle].position);
-  hold(time, place, simulation.model.obstacles[obstacle].position);
+Vector3d place_at(const Simulation& simulation, std::size_t handle, double time) {
+  if (handle < simulation.model.obstacles.size()) return simulation.model.obstacles[handle].position.at(time);
+  const Pin& pin = find_pin(simulation, handle - simulation.model.obstacles.size()).pin();
+  return middle_of(pin) + pin.motion.position.at(time);
+}
+
+void place_from(std::size_t handle, double time, const Vector3d& place, Simulation& simulation) {
+  if (handle < simulation.model.obstacles.size()) {
+    hold(time, place, simulation.scene.obstacles[handle].position);
+    hold(time, place, simulation.model.obstacles[handle].position);
+    return;
+  }
+  const std::size_t pin = handle - simulation.model.obstacles.size();
+  change_pin(pin, simulation, [&](Track<Vector3d>& track) {
+    hold(time, Vector3d(place - middle_of(find_pin(simulation, pin).pin())), track);
+  });
 }
 
 void drop_places_from(const Scene& original, double time, Simulation& simulation) {
-  for (std::size_t i = 0; i < original.obstacles.size(); ++i) {
+  for (std::size_t i = 0; i < count_handles(original); ++i) {
     if (!can_place(original, i)) continue;
+    if (i >= original.obstacles.size()) {
+      change_pin(i - original.obstacles.size(), simulation, [&](Track<Vector3d>& track) { cut(time, track); });
+      continue;
+    }
     cut(time, simulation.scene.obstacles[i].position);
     cut(time, simulation.model.obstacles[i].position);
   }

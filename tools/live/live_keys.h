@@ -40,11 +40,17 @@ void hold_from(const LiveKey& key, double time, double value, Simulation& simula
 /// Drops what is held from a time [s] on.
 void drop_from(const LiveKey& key, double time, Simulation& simulation);
 
-/// Whether an obstacle can be moved: it is no plane, and the scene does not animate it.
-bool can_place(const Scene& original, std::size_t obstacle);
+/// What handles move is counted together: first the scene's obstacles, then its pins.
+std::size_t count_handles(const Scene& scene);
 
-/// Puts an obstacle to a place [m] from a time [s] on, in the scene and in the model alike; drop_places_from() undoes that.
-void place_from(std::size_t obstacle, double time, const Vector3d& place, Simulation& simulation);
+/// Whether it can be moved: an obstacle that is no plane, or a pin, that the scene does not animate.
+bool can_place(const Scene& original, std::size_t handle);
+
+/// [m] where it is at a time [s]: an obstacle's place, the middle of a pin's points.
+Vector3d place_at(const Simulation& simulation, std::size_t handle, double time);
+
+/// Puts it to a place [m] from a time [s] on, in the scene and in the model alike; drop_places_from() undoes that.
+void place_from(std::size_t handle, double time, const Vector3d& place, Simulation& simulation);
 void drop_places_from(const Scene& original, double time, Simulation& simulation);
 
 /// Where a limit that is to become `goal` stands after a step of `time_step` [s]: it rises at once, and falls by at most

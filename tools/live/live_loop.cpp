@@ -163,7 +163,7 @@ void LiveLoop::change_session(const Message& message) {
       release(session_);
       break;
     case Wish::place:
-      is_done = place_obstacle(session_, std::size_t(message.obstacle), message.place);
+      is_done = place_handle(session_, std::size_t(message.obstacle), message.place);
       break;
     case Wish::restart:
       past_.reset();

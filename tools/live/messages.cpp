@@ -159,6 +159,22 @@ json json_of(const Session& session, std::size_t i) {
           {"color", json_of(description.look.base_color)}};
 }
 
+/// A pin, whose handle stands behind those of the obstacles.
+json json_of_pin(const Session& session, std::size_t pin) {
+  const Simulation& simulation = session.simulation;
+  const std::size_t handle = simulation.model.obstacles.size() + pin;
+  const PinDescription& description = simulation.scene.pins[pin];
+  double size = 0;
+  for (const BodySetup& body : simulation.bodies)
+    if (body.name == description.body)
+      size = (body.lattice.rest_positions.colwise().maxCoeff() - body.lattice.rest_positions.colwise().minCoeff())
+                 .maxCoeff();
+  return {{"name", description.body + "." + description.name},
+          {"movable", can_place(session.original, handle)},
+          {"place", json_of(place_at(simulation, handle, session.state.time))},
+          {"radius", 0.03 * size}};
+}
+
 json values_of(const Session& session) {
   json values = json::array();
   for (std::size_t i = 0; i < session.keys.size(); ++i) values.push_back(value_now(session, i));
@@ -199,6 +215,8 @@ std::string hello_text(const Session& session, int keep) {
   for (const BodySetup& body : simulation.bodies) hello["bodies"].push_back(json_of(session, body));
   hello["obstacles"] = json::array();
   for (std::size_t i = 0; i < simulation.model.obstacles.size(); ++i) hello["obstacles"].push_back(json_of(session, i));
+  hello["pins"] = json::array();
+  for (std::size_t i = 0; i < simulation.scene.pins.size(); ++i) hello["pins"].push_back(json_of_pin(session, i));
   for (const LiveKey& key : session.keys) hello["keys"].push_back(json_of(key));
   hello["values"] = values_of(session);
   hello["goals"] = session.goals;

@@ -80,6 +80,17 @@ async function meshOf(about, i) {
   return mesh;
 }
 
+// The mark of a pin, seen through its body.
+function pinOf(about) {
+  const mark = new THREE.Mesh(new THREE.SphereBufferGeometry(about.radius, 20, 14), new THREE.MeshBasicMaterial({color: 0x5fd0ff, depthTest: false, transparent: true, opacity: 0.8}));
+  mark.renderOrder = 2;
+  mark.matrixAutoUpdate = false;
+  mark.matrix.makeTranslation(...about.place);
+  mark.updateMatrixWorld(true);
+  mark.visible = about.movable;
+  return mark;
+}
+
 async function build(hello) {
   for (const thing of [...live.bodies.map(body => body.group), ...live.obstacles]) scene.remove(thing);
   const bodies = [], obstacles = [];
@@ -92,6 +103,7 @@ async function build(hello) {
     thing.visible = about.visible && !about.deforms;
     obstacles.push(thing);
   }
+  for (const about of hello.pins) obstacles.push(pinOf(about));
   live.bodies = bodies, live.obstacles = obstacles;
   for (const thing of [...bodies.map(body => body.group), ...obstacles]) scene.add(thing);
   const animated = hello.obstacles.filter(about => about.deforms).map(about => about.name);
@@ -347,11 +359,13 @@ function startPull(event) {
   wish('grab', {body: best.body, vertex: best.vertex, place: best.point.toArray()});
 }
 
-// The handles of the obstacle under the cursor, where one is nearer than what else is there.
+// The handles of the pin under the cursor, or of the obstacle where one is nearer than what else is there.
 function chooseObstacle(nearest) {
-  const movable = live.obstacles.filter((thing, i) => live.hello.obstacles[i].movable && thing.visible);
-  const hit = caster.intersectObjects(movable)[0];
-  if (!hit || hit.distance >= nearest) return handles.detach();
+  const about = [...live.hello.obstacles, ...live.hello.pins], first = live.hello.obstacles.length;
+  const movable = live.obstacles.map((thing, i) => ({thing, i})).filter(({thing, i}) => about[i].movable && thing.visible);
+  const pin = caster.intersectObjects(movable.filter(({i}) => i >= first).map(({thing}) => thing))[0];
+  const hit = pin || caster.intersectObjects(movable.filter(({i}) => i < first).map(({thing}) => thing))[0];
+  if (!hit || (!pin && hit.distance >= nearest)) return handles.detach();
   live.chosen = live.obstacles.indexOf(hit.object);
   handle.position.setFromMatrixPosition(hit.object.matrix);
   handles.attach(handle);

@@ -16,9 +16,9 @@
 namespace umax {
 namespace {
 
-constexpr double pull_frequency = 4;    // [Hz] of the body's whole mass on the spring
-constexpr double fastest_obstacle = 2;  // [m/s] that is moved by hand
-constexpr double most_pull = 8;         // [-] of the body's weight on earth
+constexpr double pull_frequency = 4;  // [Hz] of the body's whole mass on the spring
+constexpr double fastest_handle = 2;  // [m/s] of what is moved by hand
+constexpr double most_pull = 8;       // [-] of the body's weight on earth
 
 double time_of_change(const Session& session) {
   return (double(session.state.step) + 0.25) * session.simulation.options.time_step;
@@ -53,11 +53,11 @@ void lead_limits(Session& session) {
   }
 }
 
-void lead_obstacles(Session& session) {
-  const double farthest = fastest_obstacle * session.simulation.options.time_step;
+void lead_handles(Session& session) {
+  const double farthest = fastest_handle * session.simulation.options.time_step;
   for (std::size_t i = 0; i < session.places.size(); ++i) {
     if (!session.places[i]) continue;
-    const Vector3d now = session.simulation.model.obstacles[i].position.at(time_after(session));
+    const Vector3d now = place_at(session.simulation, i, time_after(session));
     const Vector3d way = *session.places[i] - now;
     const bool is_there = way.norm() <= farthest;
     place_from(i, time_of_change(session),
@@ -107,7 +107,7 @@ Session::Session(const Scene& scene) : simulation(set_up(with_turnable_limits(sc
                                   .remedy = "give the scene of that session, or run this one with umax simulate"});
   keys = live_keys(original);
   for (std::size_t i = 0; i < keys.size(); ++i) goals.push_back(keys[i].value_at(original, 0));
-  places.resize(original.obstacles.size());
+  places.resize(count_handles(original));
   stepping = begin_stepping_in_place(simulation);
   state = rest_state(simulation.model);
   last = measure(simulation.model, simulation.options, state);
@@ -150,17 +150,17 @@ void release(Session& session) {
   session.grab.reset();
 }
 
-bool place_obstacle(Session& session, std::size_t obstacle, const Vector3d& place) {
-  if (obstacle >= session.places.size() || !can_place(session.original, obstacle) || !place.allFinite() ||
+bool place_handle(Session& session, std::size_t handle, const Vector3d& place) {
+  if (handle >= session.places.size() || !can_place(session.original, handle) || !place.allFinite() ||
       place.norm() > 1e6)
     return false;
-  session.places[obstacle] = place;
+  session.places[handle] = place;
   return true;
 }
 
 const StepReport& step(Session& session) {
   lead_limits(session);
-  lead_obstacles(session);
+  lead_handles(session);
   std::vector<Pull> pulls;
   if (session.grab) {
     pulls.push_back(pull_of(session, *session.grab));

@@ -30,7 +30,7 @@ struct Session {
   Stepping stepping;          // of `simulation`: a session is not moved
   State state;
   std::optional<Grab> grab;
-  std::vector<std::optional<Vector3d>> places;  // [m] that obstacles are on the way to
+  std::vector<std::optional<Vector3d>> places;  // [m] that obstacles, and behind them pins, are on the way to
   RecordedPulls pulls;
   std::deque<StepRow> rows;           // of the last steps
   std::size_t most_rows = 100000;     // that are kept
@@ -62,9 +62,9 @@ bool can_grab(const Session& session);
 bool grab(Session& session, const Grab& grab);
 void release(Session& session);
 
-/// Moves an obstacle to a place, at 2 m/s at most. False: there is no such obstacle, it cannot be moved, or the place is
-/// not finite.
-bool place_obstacle(Session& session, std::size_t obstacle, const Vector3d& place);
+/// Moves an obstacle, or the middle of a pin, to a place, at 2 m/s at most. False: there is no such handle, it cannot be
+/// moved, or the place is not finite.
+bool place_handle(Session& session, std::size_t handle, const Vector3d& place);
 
 /// Advances by a time step.
 const StepReport& step(Session& session);

@@ -108,15 +108,26 @@ bool may_move(const Obstacle& obstacle) {
          !obstacle.rotation_degrees.is_constant();
 }
 
-std::uint16_t put_moving(ByteWriter& out, const Model& model, double time) {
+void put_pose(ByteWriter& out, std::size_t handle, const Matrix3d& rotation, const Vector3d& place) {
+  out.put(std::uint32_t(handle));
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) out.put(float(rotation(row, column)));
+  for (const double coordinate : place) out.put(float(coordinate));
+}
+
+/// Obstacles, and pins that can be moved.
+std::uint16_t put_moving(ByteWriter& out, const Session& session, double time) {
+  const Model& model = session.simulation.model;
   std::uint16_t count = 0;
   for (std::size_t i = 0; i < model.obstacles.size(); ++i) {
     if (!may_move(model.obstacles[i])) continue;
     const Pose pose = pose_at(model.obstacles[i], time);
-    out.put(std::uint32_t(i));
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 3; ++column) out.put(float(pose.rotation(row, column)));
-    for (const double coordinate : pose.translation) out.put(float(coordinate));
+    put_pose(out, i, pose.rotation, pose.translation);
+    ++count;
+  }
+  for (std::size_t i = model.obstacles.size(); i < count_handles(session.original); ++i) {
+    if (!can_place(session.original, i)) continue;
+    put_pose(out, i, Matrix3d::Identity(), place_at(session.simulation, i, time));
     ++count;
   }
   return count;
@@ -264,7 +275,7 @@ std::string encode_frame(const Session& session, const State& state, const StepR
   header.num_points = std::uint16_t(points.size());
   for (const Vector3d& point : points) put_place(out, all, point);
   pad(out);
-  header.num_moving = put_moving(out, model, state.time);
+  header.num_moving = put_moving(out, session, state.time);
   std::memcpy(out.bytes.data(), &header, sizeof header);
   return std::move(out.bytes);
 }
