@@ -3,27 +3,26 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <random>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/disk_error.h"
 
 namespace umax {
 namespace {
 
 constexpr std::size_t buffer_size = 1 << 20;
 
-bool is_full(int error) {
-  return error == ENOSPC || error == EDQUOT || error == EFBIG;
-}
-
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, int error, bool creating) {
-  const char* remedy =
-      is_full(error) ? "free some space or choose another disk" : "choose a folder that can be written";
-  throw Error(creating || is_full(error) ? Fault::cannot_create : Fault::io_error,
-              {path.string(), what + " (" + std::strerror(error) + ")", "", remedy});
+  throw Error(creating || is_out_of_room(error) ? Fault::cannot_create : Fault::io_error,
+              {path.string(), what + " (" + std::strerror(error) + ")", "", disk_remedy(error)});
 }
 
 /// Writes all bytes, at the file's end or at an offset; returns errno, 0 for success.
@@ -44,13 +43,49 @@ int sync(int file) {
   return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
+/// So that the file's new name outlives a power cut. Some file systems cannot flush a folder: then it is theirs to keep.
+void sync_folder_of(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return;
+  ::fsync(file);
+  ::close(file);
+}
+
+void rename_to(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    fail(path, "cannot be put in place", error, error == EISDIR || error == EEXIST);
+  }
+  sync_folder_of(path);
+}
+
 }  // namespace
 
+std::filesystem::path temporary_beside(const std::filesystem::path& path, const std::string& ending) {
+  // two machines, or two containers, may well have the same process number
+  static const unsigned own = std::random_device()();
+  static std::atomic<unsigned> count = 0;
+  std::array<char, 64> suffix{};
+  std::snprintf(suffix.data(), suffix.size(), ".part-%d-%08x-%u", int(::getpid()), own, ++count);
+  return path.parent_path() / ("." + path.filename().string() + suffix.data() + ending);
+}
+
+void put_in_place(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  const int file = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+  const int error = file < 0 ? errno : sync(file);
+  if (file >= 0) ::close(file);
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    fail(path, "cannot be written", error, false);
+  }
+  rename_to(temporary, path);
+}
+
 FileWriter::FileWriter(const std::filesystem::path& path) : path_(path) {
-  std::string name = ".";
-  name.append(path.filename().string()).append(".part-").append(std::to_string(::getpid()));
-  temporary_ = path.parent_path() / name;
-  file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  temporary_ = temporary_beside(path);
+  file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file_ < 0) fail(path_, "cannot be created", errno, true);
 }
 
@@ -112,11 +147,7 @@ void FileWriter::finish() {
     ::unlink(temporary_.c_str());
     fail(path_, "cannot be written", error, false);
   }
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    error = errno;
-    ::unlink(temporary_.c_str());
-    fail(path_, "cannot be put in place", error, error == EISDIR || error == EEXIST);
-  }
+  rename_to(temporary_, path_);
 }
 
 }  // namespace umax

@@ -7,6 +7,14 @@
 
 namespace umax {
 
+/// A name beside `path` for a file that will be renamed to it, which no other process on any machine chooses:
+/// ".NAME.part-PROCESS-RANDOM" and the ending.
+std::filesystem::path temporary_beside(const std::filesystem::path& path, const std::string& ending = {});
+
+/// Flushes a whole file that another program has written, renames it to `path`, which is replaced in one step, and flushes
+/// the folder. Throws Error (cannot_create, io_error), and removes it then.
+void put_in_place(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
 /// Owns a file that is not finished yet. Dropped unfinished, it leaves nothing behind.
 class FileWriter {
  public:
@@ -25,7 +33,8 @@ class FileWriter {
   /// Appends all of this file's bytes to another one: for what is gathered apart first. Throws as write().
   void append_to(FileWriter& other);
 
-  /// Flushes, and puts the file at its path in one step, replacing what was there. Throws as write_file().
+  /// Flushes, and puts the file at its path in one step, replacing what was there; then flushes the folder. Throws as
+  /// write_file().
   void finish();
 
   long long size() const { return flushed_ + (long long)(buffer_.size()); }  // [bytes] so far

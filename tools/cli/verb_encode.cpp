@@ -6,8 +6,9 @@
 #include "tools/cli/verb.h"
 #include "tools/run/clip.h"
 #include "tools/run/frame_list.h"
-#include "tools/run/render_frames.h"
+#include "tools/run/picture_work.h"
 #include "tools/run/run_folder.h"
+#include "tools/system/signals.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -30,11 +31,12 @@ int encode_run(const Options& options) {
       options.frames ? parse_frame_list(*options.frames, scene.clip.frames) : all_frames(scene.clip.frames);
   require_even_size(scene.render.width, scene.render.height);
   require_clip_encoder();
-  const RunFolder folder(run, ExistingFolder::keep);
+  const SignalWatch signals;
+  const RunFolder folder(run, ExistingFolder::keep, FolderUse::shared, "encode");
   require_pictures(run, frames);
   Progress progress(stdout, progress_mode(options), options.quiet);
-  encode_pictures(folder, frames, scene, progress);
-  return 0;
+  const int signal = make_clip(folder, frames, scene, progress);
+  return signal == 0 ? 0 : 128 + signal;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ bool has_snippet(const fs::path& folder) {
          read_file(folder / snippet_name).starts_with(snippet_beginning);
 }
 
-constexpr FolderKind fit_kind{"fit of umax", ".umax-fit.lock", has_snippet, false};
+constexpr FolderKind fit_kind{"fit of umax", ".umax-fit", has_snippet, false};
 
 }  // namespace
 

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* record_name = "live.txt";
-constexpr FolderKind live_kind{"live session of umax", ".umax.lock",
+constexpr FolderKind live_kind{"live session of umax", ".umax",
                                [](const fs::path& path) { return fs::exists(path / record_name); }, false};
 
 /// As write_file(), but the disk may take its time: sixty of these a second are written.

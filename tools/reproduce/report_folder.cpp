@@ -28,7 +28,7 @@ std::optional<ReportRecord> read_record(const fs::path& folder) {
   }
 }
 
-constexpr FolderKind report_kind{"report of umax reproduce", ".umax-report.lock",
+constexpr FolderKind report_kind{"report of umax reproduce", ".umax-report",
                                  [](const fs::path& path) { return read_record(path).has_value(); }};
 
 }  // namespace

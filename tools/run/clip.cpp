@@ -1,14 +1,13 @@
 #include "tools/run/clip.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/files/file_writer.h"
 #include "core/files/read_file.h"
 #include "embedding/scanning/compression.h"
 #include "tools/system/subprocess.h"
@@ -51,11 +50,6 @@ void check_png_bytes(const fs::path& path, std::string_view bytes, int width, in
   fail_png(path, "is damaged: it ends too early");
 }
 
-/// A name beside `clip` that ends in .mp4, as ffmpeg tells the format by it, and that a later run clears away.
-fs::path temporary_clip(const fs::path& clip) {
-  return clip.parent_path() / fmt::format(".{}.part-{}.mp4", clip.filename().string(), ::getpid());
-}
-
 [[noreturn]] void fail_encoding(const fs::path& clip, const ProcessResult& result) {
   const std::string messages = result.messages.substr(0, result.messages.find('\n'));
   throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg failed with exit code {}", result.exit_code),
@@ -81,14 +75,6 @@ std::vector<std::string> encode_command(const fs::path& target, const ClipOption
   add({"-fps_mode", "passthrough", "-movflags", "+faststart"});
   command.push_back(target.string());
   return command;
-}
-
-void sync_file(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file >= 0) {
-    ::fsync(file);
-    ::close(file);
-  }
 }
 
 long long count_frames(const fs::path& clip) {
@@ -121,7 +107,8 @@ void check_png(const fs::path& path, int width, int height) {
 
 void encode_clip(const fs::path& clip, std::size_t num_pictures, const PictureSource& picture,
                  const ClipOptions& options) {
-  const fs::path temporary = temporary_clip(clip);
+  // ffmpeg tells the format by the ending
+  const fs::path temporary = temporary_beside(clip, ".mp4");
   const auto next_picture = [&, index = std::size_t(0)]() mutable {
     return index == num_pictures ? std::string() : picture(index++);
   };
@@ -134,8 +121,7 @@ void encode_clip(const fs::path& clip, std::size_t num_pictures, const PictureSo
     if (count != static_cast<long long>(num_pictures))
       throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures), "",
                                     "look for room on the disk, then go on with --resume"});
-    sync_file(temporary);
-    fs::rename(temporary, clip);
+    put_in_place(temporary, clip);
   } catch (...) {
     fs::remove(temporary, error);
     throw;

@@ -63,6 +63,17 @@ std::vector<int> parse_frame_list(const std::string& text, int last_frame) {
   return {frames.begin(), frames.end()};
 }
 
+std::string frame_list_text(const std::vector<int>& frames) {
+  std::string text;
+  for (std::size_t first = 0, last = 0; first < frames.size(); first = ++last) {
+    for (last = first; last + 1 < frames.size() && frames[last + 1] == frames[last] + 1;) ++last;
+    if (!text.empty()) text += ",";
+    text += std::to_string(frames[first]);
+    if (last > first) text += "-" + std::to_string(frames[last]);
+  }
+  return text;
+}
+
 std::vector<int> all_frames(int last_frame) {
   std::vector<int> frames(std::size_t(std::max(last_frame, 0)));
   std::iota(frames.begin(), frames.end(), 1);

@@ -11,6 +11,9 @@ namespace umax {
 /// Error (usage) for anything else, and when no frame is left.
 std::vector<int> parse_frame_list(const std::string& text, int last_frame = 0);
 
+/// The list that names these frames, increasing: "1-40,50".
+std::string frame_list_text(const std::vector<int>& frames);
+
 /// 1 .. last_frame.
 std::vector<int> all_frames(int last_frame);
 

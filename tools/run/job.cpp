@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
@@ -18,6 +19,8 @@
 #include "tools/run/export_run.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/job_estimate.h"
+#include "tools/run/picture_work.h"
+#include "tools/run/run_motion.h"
 #include "tools/run/run_record.h"
 #include "tools/run/simulate.h"
 #include "tools/run/step_plots.h"
@@ -31,30 +34,44 @@
 namespace umax {
 namespace {
 
-/// run.json while the job runs: written at the start, after every stage and at the end.
+/// run.json while the job runs: written at the start, after every stage and at the end. Others who share the folder write
+/// it too: each adds what is its own.
 class RecordKeeper {
  public:
   RecordKeeper(const RunFolder& folder, const RunOptions& options, const std::string& scene_text,
                const Simulation& simulation)
-      : path_(folder.record()), record_(read_run_record(folder.record()).value_or(RunRecord{})) {
-    record_.version = version_text();
-    record_.verb = options.verb;
-    record_.scene = simulation.scene.name;
-    record_.scene_sha256 = sha256_hex(scene_text);
-    record_.model_sha256 = simulation.digest;
-    record_.host = host_description();
-    record_.threads = options.threads;
-    record_.exit_status.reset();
-    write();
+      : folder_(folder),
+        verb_(options.verb),
+        scene_(simulation.scene.name),
+        scene_sha256_(sha256_hex(scene_text)),
+        model_sha256_(simulation.digest),
+        threads_(options.threads) {
+    change([](RunRecord& record) { record.exit_status.reset(); });
   }
-  RunRecord& record() { return record_; }
-  void write() {
-    record_.peak_memory = std::max(record_.peak_memory, peak_memory());
-    write_run_record(path_, record_);
+  /// edit(RunRecord&): what is to be changed.
+  template <class Edit>
+  void change(const Edit& edit) {
+    // the others are done in a moment; should one be stuck, its share is lost rather than ours
+    const auto start = std::chrono::steady_clock::now();
+    const bool is_ours = folder_.presence().claim_when_free("record", [&] { return seconds_since(start) > 20; });
+    RunRecord record = read_run_record(folder_.record()).value_or(RunRecord{});
+    record.version = version_text();
+    record.verb = verb_;
+    record.scene = scene_;
+    record.scene_sha256 = scene_sha256_;
+    record.model_sha256 = model_sha256_;
+    record.host = host_description();
+    record.threads = threads_;
+    record.peak_memory = std::max(record.peak_memory, peak_memory());
+    edit(record);
+    write_run_record(folder_.record(), record);
+    if (is_ours) folder_.presence().release("record");
   }
   int finish(int exit_status) {
-    record_.exit_status = exit_status;
-    write();
+    const bool is_last = folder_.presence().others().empty();
+    change([&](RunRecord& record) {
+      if (is_last || exit_status != 0) record.exit_status = exit_status;
+    });
     return exit_status;
   }
   void finish_after_error(int exit_status) {
@@ -66,8 +83,9 @@ class RecordKeeper {
   }
 
  private:
-  std::filesystem::path path_;
-  RunRecord record_;
+  const RunFolder& folder_;
+  std::string verb_, scene_, scene_sha256_, model_sha256_;
+  int threads_;
 };
 
 /// Time steps up to a frame that the folder does not have yet.
@@ -89,9 +107,15 @@ void tell_cost(const Simulation& simulation, long long steps, long long memory, 
   if (const std::string text = announce(size, steps); !text.empty()) progress.note(text);
 }
 
+/// Who simulates or removes what is there is alone; who only draws shares.
+FolderUse use_of(const Job& job) {
+  const bool removes = job.replace_pictures || job.existing == ExistingFolder::overwrite;
+  return job.simulate || removes ? FolderUse::alone : FolderUse::shared;
+}
+
 /// What the folder is needed for, checked as long as nothing has been written.
 void check_before_start(const Job& job, const std::vector<int>& frames) {
-  check_run_folder(job.folder, job.existing);
+  check_run_folder(job.folder, job.existing, use_of(job));
   for (const ExportOptions& options : job.exports) {
     check_export(options, frames);
     if (job.existing == ExistingFolder::keep)
@@ -115,13 +139,17 @@ SimulateResult simulate_and_plot(const Simulation& simulation, const RunFolder& 
   }
 }
 
+int agree(const Job& job, const RunPictures& pictures, const RunFolder& folder, Progress& progress) {
+  return agree_on_pictures(folder, pictures.record, job.scene.render, job.other_pictures, progress);
+}
+
 /// A job whose folder is ours.
 struct JobInHand {
   const Job& job;
   const RunOptions& options;
   const Simulation& simulation;
   const std::vector<int>& frames;
-  const RunFolder& folder;
+  RunFolder& folder;
   RecordKeeper& keeper;
   Progress& progress;
 };
@@ -133,12 +161,13 @@ int simulate_stage(const JobInHand& hand) {
                                 .strict = hand.options.strict,
                                 .verbose = hand.options.verbose};
   const SimulateResult result = simulate_and_plot(hand.simulation, hand.folder, options, hand.progress);
-  RunRecord& record = hand.keeper.record();
-  record.simulate_seconds += seconds_since(start);
-  record.frames = result.frames;
-  record.steps = result.steps;
-  record.steps_not_converged = result.steps_not_converged;
-  hand.keeper.write();
+  hand.keeper.change([&](RunRecord& record) {
+    record.simulate_seconds += seconds_since(start);
+    record.frames = result.frames;
+    record.steps = result.steps;
+    record.steps_not_converged = result.steps_not_converged;
+  });
+  if (result.signal == 0) freeze_motion(hand.simulation, hand.folder);
   return result.signal;
 }
 
@@ -156,56 +185,47 @@ int export_stage(const JobInHand& hand) {
   return 0;
 }
 
-/// A clip that was longer or shorter when its pictures were made cut off their blur and motion elsewhere: those go.
-void remove_pictures_of_other_length(const JobInHand& hand, int frames_then) {
-  const Scene& scene = hand.job.scene;
-  if (frames_then == 0) return;
-  const auto window = [&](int frame, int last) {
-    return std::pair(exposure_of(scene.render, frame, last), states_for(scene.render, frame, last));
-  };
-  for (int frame = 1; frame <= std::max(frames_then, scene.clip.frames); ++frame)
-    if (window(frame, frames_then) != window(frame, scene.clip.frames)) hand.folder.remove_picture(frame);
-}
-
 /// Renders and encodes; returns the signal that stopped it, or 0.
 int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   const Scene& scene = hand.job.scene;
-  RunRecord& record = hand.keeper.record();
-  const bool is_stale = !record.pictures_sha256.empty() && record.pictures_sha256 != pictures.digest;
-  if (is_stale) {
-    hand.progress.note("the pictures that are there were made with other settings: they are made anew");
-    hand.folder.remove_pictures();
-  }
-  if (!is_stale) remove_pictures_of_other_length(hand, record.pictures_frames);
-  record.pictures_sha256 = pictures.digest;
-  record.pictures_frames = scene.clip.frames;
-  hand.keeper.write();
-
   auto start = std::chrono::steady_clock::now();
   const RenderResult result =
-      render_pictures(pictures.list, scene.render, hand.options.threads, hand.folder, hand.progress);
-  record.render_seconds += seconds_since(start);
-  hand.keeper.write();
-  if (result.signal != 0) return result.signal;
-  if (!hand.job.clip) return 0;
+      draw_pictures(pictures.list, scene.render, hand.options.threads, hand.folder, hand.progress);
+  hand.keeper.change([&](RunRecord& record) { record.render_seconds += seconds_since(start); });
+  if (result.signal != 0 || !hand.job.clip) return result.signal;
 
   start = std::chrono::steady_clock::now();
-  encode_pictures(hand.folder, pictures.list.frames, scene, hand.progress);
-  record.encode_seconds += seconds_since(start);
-  return 0;
+  const int signal = finish_clip(hand.folder, pictures.list.frames, scene, hand.progress);
+  hand.keeper.change([&](RunRecord& record) { record.encode_seconds += seconds_since(start); });
+  return signal;
+}
+
+/// Puts down with which settings pictures will be drawn, unless some are there. What stands in their way is said now: it
+/// is no fault of the simulation's.
+void freeze_settings(const JobInHand& hand) {
+  if (count_pictures(hand.folder.path()) > 0) return;
+  try {
+    write_picture_record(hand.folder.pictures(),
+                         pictures_of_run(hand.simulation, hand.folder.path(), hand.frames).record);
+  } catch (const Error& error) {
+    if (error.fault() == Fault::cannot_create || error.fault() == Fault::io_error) throw;
+    hand.progress.warning(std::string("pictures of this run cannot be drawn as things are: ") + error.what());
+  }
 }
 
 /// Everything after the checks: `ready` are the pictures when they do not wait for the simulation. Returns the exit
 /// code.
 int do_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
-  const SignalWatch watch;
   int signal = 0;
   if (hand.job.simulate) signal = simulate_stage(hand);
   if (signal == 0) signal = export_stage(hand);
+  if (!hand.job.pictures && signal == 0) freeze_settings(hand);
   if (hand.job.pictures && signal == 0) {
     const RunPictures pictures =
         ready ? std::move(*ready) : pictures_of_run(hand.simulation, hand.folder.path(), hand.frames);
-    signal = picture_stage(hand, pictures);
+    if (use_of(hand.job) == FolderUse::alone) signal = agree(hand.job, pictures, hand.folder, hand.progress);
+    hand.folder.share();
+    if (signal == 0) signal = picture_stage(hand, pictures);
   }
   if (signal != 0)
     hand.progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
@@ -221,10 +241,17 @@ void require_same_run(const RunFolder& folder, const Simulation& simulation) {
                                 .remedy = "choose another folder with -o, or replace it with --overwrite"});
 }
 
+void write_if_different(const std::filesystem::path& path, const std::string& text) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error) || read_file(path) != text) write_file(path, text);
+}
+
 /// Keeps the exit code in run.json; a full disk before the first output means that it cannot be created, later that a
 /// write failed.
 [[noreturn]] void end_with(const Error& error, const RunFolder& folder, RecordKeeper& keeper) {
-  const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames());
+  std::error_code unknown;
+  const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames(), unknown) ||
+                       !std::filesystem::exists(folder.path(), unknown);
   const Fault fault = error.fault() == Fault::cannot_create && is_late ? Fault::io_error : error.fault();
   keeper.finish_after_error(exit_code_of(fault));
   throw Error(fault, error.text());
@@ -263,11 +290,14 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   std::optional<RunPictures> pictures;
   if (job.make_pictures) pictures = job.make_pictures(simulation, frames);
 
-  const RunFolder folder(job.folder, job.existing);
+  const SignalWatch signals;
+  RunFolder folder(job.folder, job.existing, use_of(job), job.clip ? draws_for_clip : draws);
   if (job.replace_pictures) folder.remove_pictures();
-  const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
   require_same_run(folder, simulation);
-  write_file(folder.scene(), scene_text);
+  if (use_of(job) == FolderUse::shared)
+    if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return 128 + signal;
+  const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
+  write_if_different(folder.scene(), scene_text);
   RecordKeeper keeper(folder, options, scene_text, simulation);
   try {
     return keeper.finish(do_stages({job, options, simulation, frames, folder, keeper, progress}, std::move(pictures)));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/exchange/exported_things.h"
+#include "tools/run/picture_work.h"
 #include "tools/run/render_frames.h"
 
 namespace umax {
@@ -20,10 +21,11 @@ struct Job {
   ExistingFolder existing = ExistingFolder::refuse;
   bool simulate = true;
   bool pictures = true;
-  bool clip = true;                         // of the pictures
-  bool replace_pictures = false;            // those that are there go first
-  std::optional<int> default_frames;        // how many frames without --frames; unset: the clip's
-  std::vector<ExportOptions> exports = {};  // of the states, once they are there
+  bool clip = true;                                       // of the pictures
+  bool replace_pictures = false;                          // those that are there go first
+  OtherPictures other_pictures = OtherPictures::replace;  // what to do with those of other settings
+  std::optional<int> default_frames;                      // how many frames without --frames; unset: the clip's
+  std::vector<ExportOptions> exports = {};                // of the states, once they are there
   /// The pictures to make, when they are not those of the folder's own states.
   std::function<RunPictures(const Simulation&, const std::vector<int>& frames)> make_pictures;
 };

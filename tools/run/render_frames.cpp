@@ -12,8 +12,7 @@
 #include "scenes/resolved_scene.h"
 #include "tools/pictures/motion_blur.h"
 #include "tools/run/clip.h"
-#include "tools/run/frame_list.h"
-#include "tools/system/signals.h"
+#include "tools/run/run_motion.h"
 
 namespace umax {
 namespace {
@@ -22,34 +21,13 @@ double aspect_of(const RenderDescription& render) {
   return double(render.width) / render.height;
 }
 
-bool has_picture(const RunFolder& folder, int frame, bool writes_exr) {
-  std::error_code error;
-  return std::filesystem::exists(folder.picture(frame), error) &&
-         (!writes_exr || std::filesystem::exists(folder.picture(frame, ".exr"), error));
-}
-
-/// What all states that are there take up.
-struct Motion {
-  Box box;  // around the surfaces
-  HeatRange heat;
-};
-
-Motion motion_of(const Simulation& simulation, const std::filesystem::path& run) {
-  Motion motion;
-  const int count = std::min(count_states(run), simulation.last_frame());
-  for (int frame = 1; frame <= count; ++frame) {
-    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
-    motion.box.extend(box_of(simulation, state.positions));
-    extend(motion.heat, simulation, state);
-  }
-  return motion;
-}
-
-/// Digest of the scene as it is drawn: how many frames there are does not matter.
-std::string picture_digest(const Simulation& simulation, const std::string& view) {
+/// Of the scene as it is drawn: how many frames there are does not matter to a picture by itself.
+PictureRecord picture_record(const Simulation& simulation, const std::string& view) {
   Scene scene = simulation.scene;
   scene.clip.frames = 1;
-  return sha256_hex(resolved_toml(scene) + simulation.digest + view);
+  PictureRecord record{.settings = resolved_toml(scene), .digest = {}, .clip_frames = simulation.last_frame()};
+  record.digest = sha256_hex(record.settings + simulation.digest + view);
+  return record;
 }
 
 std::string camera_text(const Camera& camera) {
@@ -136,12 +114,12 @@ RenderScene shot_of(const RunView& view, int frame, const RenderDescription& wan
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames) {
   require_exposed_states(simulation, run, frames);
-  const Motion motion = motion_of(simulation, run);
+  const RunMotion motion = motion_of_run(simulation, run);
   const RenderDescription& render = simulation.scene.render;
   const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
   auto stage = std::make_shared<const Stage>(make_stage(simulation, motion.box, motion.heat));
   RunPictures pictures;
-  pictures.digest = picture_digest(
+  pictures.record = picture_record(
       simulation, "run " + camera_text(camera) + legend_text(*stage) + file_text(simulation.scene.camera));
   pictures.list.frames = frames;
   const RunView view{.simulation = simulation, .run = run, .box = motion.box, .stage = stage};
@@ -160,7 +138,7 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
 Camera camera_of_run(const Simulation& simulation, const std::filesystem::path& run) {
   const CameraDescription& camera = simulation.scene.camera;
   const bool is_given = camera.motion || (camera.position && camera.target);
-  const Motion motion = is_given ? Motion() : motion_of(simulation, run);
+  const RunMotion motion = is_given ? RunMotion() : motion_of_run(simulation, run);
   return frame_camera(camera, motion.box, aspect_of(simulation.scene.render));
 }
 
@@ -170,7 +148,7 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
   extend(range, simulation, state);
   auto stage = std::make_shared<const Stage>(make_stage(simulation, box, range));
   RunPictures pictures;
-  pictures.digest = picture_digest(
+  pictures.record = picture_record(
       simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()) + legend_text(*stage));
   pictures.list.frames = frames;
   pictures.list.shot = [&simulation, state, box, stage](int frame) {
@@ -191,29 +169,6 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
   const int reach = has_catchers(simulation.scene) ? 0 : filter_reach(simulation.scene.render);
   pictures.list.window = [reach](int frame) { return FrameWindow{frame - reach, frame + reach}; };
   return pictures;
-}
-
-RenderResult render_pictures(const PictureList& list, const RenderDescription& render, int threads,
-                             const RunFolder& folder, Progress& progress) {
-  RenderResult result;
-  std::vector<int> missing;
-  for (const int frame : list.frames)
-    if (!has_picture(folder, frame, render.writes_exr())) missing.push_back(frame);
-  result.pictures = int(list.frames.size() - missing.size());
-  if (missing.empty()) return result;
-
-  create_folder(folder.frames());
-  Painter painter(render, threads);
-  progress.begin("render", int(list.frames.size()), result.pictures);
-  for (const int frame : missing) {
-    if (stop_signal() != 0) break;
-    if (!painter.paint(list, frame, folder.picture(frame))) continue;  // stopped: the loop ends above
-    ++result.pictures;
-    progress.frame_done(frame);
-  }
-  result.signal = stop_signal();
-  progress.end();
-  return result;
 }
 
 void encode_pictures(const RunFolder& folder, const std::vector<int>& frames, const Scene& scene, Progress& progress) {

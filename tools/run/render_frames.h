@@ -1,4 +1,4 @@
-// The render loop: pictures of stored states, and the clip that they make.
+// The pictures of a run or a turntable: what is drawn as which frame, and the clip that they make.
 #pragma once
 
 #include <filesystem>
@@ -7,24 +7,16 @@
 
 #include "tools/pictures/painter.h"
 #include "tools/pictures/shot.h"
+#include "tools/run/picture_record.h"
 #include "tools/run/run_folder.h"
 #include "tools/system/progress.h"
 
 namespace umax {
 
-struct RenderResult {
-  int pictures = 0;  // that are there
-  int signal = 0;    // that stopped it early; 0: none
-};
-
-/// Renders the pictures that are not in the folder yet.
-RenderResult render_pictures(const PictureList& list, const RenderDescription& render, int threads,
-                             const RunFolder& folder, Progress& progress);
-
 /// The pictures of a run: states are read from `run`, the camera frames all of them unless the scene has one.
 struct RunPictures {
   PictureList list;
-  std::string digest;  // of all that decides the pictures
+  PictureRecord record;  // what decides the pictures
 };
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames);

@@ -13,7 +13,7 @@ namespace umax {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr FolderKind run_kind{"run of umax", ".umax.lock",
+constexpr FolderKind run_kind{"run of umax", ".umax",
                               [](const fs::path& path) { return read_run_record(path / "run.json").has_value(); }};
 
 bool is_numbered(const std::string& stem) {
@@ -62,19 +62,29 @@ void empty_run(const RunFolder& folder) {
   std::error_code error;
   for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
   remove_if_empty(folder.plots());
-  for (const fs::path& file : {folder.steps(), folder.scene(), folder.record()}) fs::remove(file, error);
+  for (const fs::path& file : {motion_path(folder.path()), folder.steps(), folder.scene(), folder.record()})
+    fs::remove(file, error);
 }
 
 }  // namespace
 
-void check_run_folder(const fs::path& path, ExistingFolder existing) {
-  check_folder(path, existing, run_kind);
+void check_run_folder(const fs::path& path, ExistingFolder existing, FolderUse use) {
+  check_folder(path, existing, run_kind, use);
 }
 
-RunFolder::RunFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, run_kind) {
-  if (folder_.is_new()) return;
+std::vector<Worker> workers_in_run(const fs::path& path) {
+  return workers_in(path / run_kind.place_name);
+}
+
+RunFolder::RunFolder(const fs::path& path, ExistingFolder existing, FolderUse use, const std::string& role)
+    : folder_(path, existing, run_kind, use, role) {
+  if (folder_.is_new() || use == FolderUse::shared) return;
   if (existing == ExistingFolder::overwrite) empty_run(*this);
-  for (const fs::path& folder : {this->path(), states(), frames(), plots()}) remove_leftovers(folder);
+  remove_leftovers();
+}
+
+void RunFolder::remove_leftovers() const {
+  for (const fs::path& folder : {path(), states(), frames(), plots()}) umax::remove_leftovers(folder);
 }
 
 fs::path RunFolder::state(int frame) const {
@@ -94,14 +104,13 @@ void RunFolder::remove_pictures() const {
   remove_numbered(frames(), {".png", ".exr"});
   std::error_code error;
   fs::remove(clip(), error);
+  fs::remove(pictures(), error);
 }
 
 void remove_run(const fs::path& path) {
-  std::error_code error;
   {
     const RunFolder emptied(path, ExistingFolder::overwrite);
   }
-  fs::remove(path / run_kind.lock_name, error);
   remove_if_empty(path);
 }
 
@@ -125,6 +134,10 @@ void remove_if_empty(const fs::path& folder) {
 
 bool is_run_folder(const fs::path& path) {
   return is_of_kind(path, run_kind);
+}
+
+fs::path motion_path(const fs::path& run_folder) {
+  return run_folder / "motion.json";
 }
 
 fs::path state_path(const fs::path& run_folder, int frame) {

@@ -10,23 +10,28 @@
 namespace umax {
 
 /// Throws what RunFolder would throw for a folder that is there already. Changes nothing: for a look before long work.
-void check_run_folder(const std::filesystem::path& path, ExistingFolder existing);
+void check_run_folder(const std::filesystem::path& path, ExistingFolder existing, FolderUse use = FolderUse::alone);
+
+/// Those who are at work in a run's folder.
+std::vector<Worker> workers_in_run(const std::filesystem::path& path);
 
 /// Where exports of a run go unless the user says otherwise.
 inline std::filesystem::path exports_path(const std::filesystem::path& run_folder) {
   return run_folder / "export";
 }
 
-/// Owns the lock on a run's folder while it lives.
+/// Holds a run's folder while it lives.
 class RunFolder {
  public:
-  /// Throws what LockedFolder throws.
-  RunFolder(const std::filesystem::path& path, ExistingFolder existing);
+  /// Throws what LockedFolder throws. role: for the others who share it.
+  RunFolder(const std::filesystem::path& path, ExistingFolder existing, FolderUse use = FolderUse::alone,
+            const std::string& role = {});
 
   const std::filesystem::path& path() const { return folder_.path(); }
   std::filesystem::path scene() const { return path() / "scene.toml"; }
   std::filesystem::path steps() const { return path() / "steps.csv"; }
   std::filesystem::path record() const { return path() / "run.json"; }
+  std::filesystem::path pictures() const { return path() / "pictures.json"; }
   std::filesystem::path clip() const { return path() / "clip.mp4"; }
   std::filesystem::path states() const { return path() / "states"; }
   std::filesystem::path frames() const { return path() / "frames"; }
@@ -35,6 +40,14 @@ class RunFolder {
   std::filesystem::path state(int frame) const;
   std::filesystem::path picture(int frame, const std::string& extension = ".png") const;
 
+  /// Lets others in who share it, from now on.
+  void share() { folder_.share(); }
+  /// Throws Error (try_again) when another one has taken the folder over.
+  void require_hold() const { folder_.require_hold(); }
+  Presence& presence() const { return folder_.presence(); }
+
+  /// Removes what killed programs left half-written. Nobody else may be writing.
+  void remove_leftovers() const;
   /// Removes what was drawn of one frame, if anything.
   void remove_picture(int frame) const;
   /// Removes all pictures and the clip: they were made with other settings.
@@ -67,6 +80,9 @@ void require_states(const std::filesystem::path& run_folder, const std::vector<i
 
 /// Frames whose pictures are there, from 1 up to the first gap.
 int count_pictures(const std::filesystem::path& run_folder);
+
+/// Where the motion of all states is kept.
+std::filesystem::path motion_path(const std::filesystem::path& run_folder);
 
 /// The path of a frame's state, or picture, in a run's folder, whoever holds it.
 std::filesystem::path state_path(const std::filesystem::path& run_folder, int frame);

@@ -24,8 +24,6 @@ nlohmann::ordered_json to_json(const RunRecord& record) {
   json["scene"] = record.scene;
   json["scene_sha256"] = record.scene_sha256;
   json["model_sha256"] = record.model_sha256;
-  json["pictures_sha256"] = record.pictures_sha256;
-  json["pictures_frames"] = record.pictures_frames;
   json["host"] = record.host;
   json["threads"] = record.threads;
   json["totals"] = {{"seconds", record.seconds()},
@@ -50,8 +48,6 @@ RunRecord from_json(const nlohmann::json& json) {
   record.scene = json.at("scene");
   record.scene_sha256 = json.at("scene_sha256");
   record.model_sha256 = json.at("model_sha256");
-  record.pictures_sha256 = json.at("pictures_sha256");
-  record.pictures_frames = json.value("pictures_frames", 0);
   record.host = json.at("host");
   record.threads = json.at("threads");
   const auto& totals = json.at("totals");

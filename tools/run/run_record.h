@@ -10,11 +10,9 @@ namespace umax {
 struct RunRecord {
   std::string version;  // of the program
   std::string verb;
-  std::string scene;            // its name
-  std::string scene_sha256;     // of scene.toml
-  std::string model_sha256;     // of what decides the states (see model_digest)
-  std::string pictures_sha256;  // of what decides the frames; empty: none made
-  int pictures_frames = 0;      // frames of the clip that they are of; 0: none made, or by an earlier version
+  std::string scene;         // its name
+  std::string scene_sha256;  // of scene.toml
+  std::string model_sha256;  // of what decides the states (see model_digest)
   std::string host;
   int threads = 0;
   int frames = 0;       // states that are there

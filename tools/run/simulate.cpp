@@ -195,6 +195,7 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
       break;
     }
 
+    folder.require_hold();
     // rows first: a state without its rows would not be found again
     steps.append(rows);
     write_state(folder.state(frame), state, simulation.digest);

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/files/disk_error.h"
 #include "core/files/read_file.h"
 #include "core/files/write_file.h"
 
@@ -26,8 +27,7 @@ constexpr const char* fixed_columns =
 constexpr const char* later_columns = ",contacts_obstacles,contacts_bodies,contacts_self,substeps";
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw Error(Fault::io_error, {path.string(), what + " (" + std::strerror(errno) + ")", "",
-                                "make room on the disk, then go on with --resume"});
+  throw Error(Fault::io_error, {path.string(), what + " (" + std::strerror(errno) + ")", "", disk_remedy(errno)});
 }
 
 /// The first line of `text` without its end, which is taken off `text`; false when no whole line is left.
@@ -147,13 +147,16 @@ void StepsFile::append(const std::vector<StepRow>& rows) {
   std::string text;
   for (const StepRow& row : rows) text += format_step(row) + "\n";
   const off_t before = ::lseek(file_, 0, SEEK_END);
-  ssize_t written = -1;
-  do written = ::write(file_, text.data(), text.size());
-  while (written < 0 && errno == EINTR);
-  if (written == ssize_t(text.size()) && ::fdatasync(file_) == 0) return;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(file_, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) break;
+    rest.remove_prefix(std::size_t(written));
+  }
+  if (rest.empty() && ::fdatasync(file_) == 0) return;
 
   // half a group of rows is worse than none
-  if (written >= 0 && written != ssize_t(text.size())) errno = ENOSPC;
   const int reason = errno;
   if (::ftruncate(file_, before) != 0) errno = reason;
   errno = reason;

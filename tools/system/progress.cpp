@@ -119,6 +119,11 @@ void Progress::frame_done(int frame, const std::string& detail) {
   }
 }
 
+void Progress::frames_done_elsewhere(int count) {
+  line_.done += count;
+  if (style_ == Style::bar && count > 0) show_bar();
+}
+
 void Progress::within_frame(const std::string& detail) {
   if (style_ != Style::bar || seconds_since(last_shown_) < 0.5) return;
   line_.detail = detail;

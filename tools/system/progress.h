@@ -39,6 +39,8 @@ class Progress {
   /// Starts a stage of `total` frames, of which `done` were there before.
   void begin(const std::string& stage, int total, int done = 0);
   void frame_done(int frame, const std::string& detail = {});
+  /// Frames that other processes have finished: they count, and have no line.
+  void frames_done_elsewhere(int count);
   /// Shows on a terminal how far the next frame is, now and then.
   void within_frame(const std::string& detail);
   void end();

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/files/disk_error.h"
 
 namespace umax {
 namespace {
@@ -154,6 +155,9 @@ ProcessResult run_process(const std::vector<std::string>& command, const InputSo
   feed.close();
   ProcessResult result;
   result.exit_code = wait_for(child);
+  if (result.exit_code == 128 + SIGXFSZ)
+    throw Error(Fault::io_error,
+                {command.front(), "was to write a file that is larger than files may be", "", disk_remedy(EFBIG)});
   result.output = read_from_start(output.get());
   result.messages = read_from_start(messages.get());
   return result;

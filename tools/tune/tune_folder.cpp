@@ -14,7 +14,7 @@ bool has_record(const fs::path& folder) {
   return is_record_of(folder / record_name, "umax tune");
 }
 
-constexpr FolderKind tune_kind{"tuning of umax", ".umax-tune.lock", has_record};
+constexpr FolderKind tune_kind{"tuning of umax", ".umax-tune", has_record};
 
 }  // namespace
 

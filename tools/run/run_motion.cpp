@@ -1,0 +1,128 @@
+#include "tools/run/run_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include "core/files/read_file.h"
+#include "core/files/sha256.h"
+#include "core/files/write_file.h"
+#include "scenes/resolved_scene.h"
+#include "tools/pictures/shot.h"
+#include "tools/setup/state_file.h"
+
+namespace umax {
+namespace fs = std::filesystem;
+namespace {
+
+/// Motion, and what it is of.
+struct KeptMotion {
+  int states = 0;        // 1 .. states
+  std::string surfaces;  // digest of what they show
+  std::string heatmap;   // whose range it is
+  RunMotion motion;
+};
+
+std::string heatmap_name(const Simulation& simulation) {
+  constexpr std::array names{"none", "energy", "multiplier", "stretch"};
+  return names.at(std::size_t(simulation.scene.render.heatmap));
+}
+
+/// Of what decides the states, and where surfaces are in them: all that the scene says of bodies.
+std::string digest_of_surfaces(const Simulation& simulation) {
+  std::string bodies;
+  bool is_body = false;
+  std::istringstream lines(resolved_toml(simulation.scene));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("[")) is_body = line.starts_with("[body");
+    if (is_body) bodies += line + "\n";
+  }
+  return sha256_hex(simulation.digest + bodies);
+}
+
+int num_states(const Simulation& simulation, const fs::path& run) {
+  return std::min(count_states(run), simulation.last_frame());
+}
+
+nlohmann::json numbers(const Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Vector3d vector_of(const nlohmann::json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+/// No limit at all is infinity, which JSON does not have.
+std::string motion_text(const KeptMotion& kept) {
+  const HeatRange& heat = kept.motion.heat;
+  nlohmann::ordered_json json;
+  json["states"] = kept.states;
+  json["surfaces_sha256"] = kept.surfaces;
+  json["box_m"] = {numbers(kept.motion.box.min()), numbers(kept.motion.box.max())};
+  json["heatmap"] = kept.heatmap;
+  json["heat_largest"] = heat.largest;
+  if (heat.least_limit < std::numeric_limits<double>::infinity()) json["heat_least_limit"] = heat.least_limit;
+  json["heat_largest_limit"] = heat.largest_limit;
+  return json.dump(2) + "\n";
+}
+
+std::optional<KeptMotion> read_motion(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(read_file(path));
+    KeptMotion kept;
+    kept.states = json.at("states");
+    kept.surfaces = json.at("surfaces_sha256");
+    kept.heatmap = json.at("heatmap");
+    kept.motion.box = Box(vector_of(json.at("box_m").at(0)), vector_of(json.at("box_m").at(1)));
+    HeatRange& heat = kept.motion.heat;
+    heat.largest = json.at("heat_largest");
+    heat.least_limit = json.value("heat_least_limit", heat.least_limit);
+    heat.largest_limit = json.at("heat_largest_limit");
+    return kept;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // damaged, or of another version: it is read from the states again
+  }
+}
+
+/// Widens the motion by states first .. last.
+void add_states(const Simulation& simulation, const fs::path& run, int first, int last, RunMotion& motion) {
+  for (int frame = first; frame <= last; ++frame) {
+    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
+    motion.box.extend(box_of(simulation, state.positions));
+    extend(motion.heat, simulation, state);
+  }
+}
+
+/// That of all states; what is kept of the first of them is not read again.
+KeptMotion whole_motion(const Simulation& simulation, const fs::path& run, const std::optional<KeptMotion>& kept) {
+  KeptMotion whole;
+  whole.states = num_states(simulation, run);
+  whole.surfaces = digest_of_surfaces(simulation);
+  whole.heatmap = heatmap_name(simulation);
+  const bool goes_on = kept && kept->states <= whole.states && kept->states > 0 && kept->surfaces == whole.surfaces &&
+                       kept->heatmap == whole.heatmap;
+  if (goes_on) whole.motion = kept->motion;
+  add_states(simulation, run, goes_on ? kept->states + 1 : 1, whole.states, whole.motion);
+  return whole;
+}
+
+}  // namespace
+
+RunMotion motion_of_run(const Simulation& simulation, const fs::path& run) {
+  return whole_motion(simulation, run, read_motion(motion_path(run))).motion;
+}
+
+void freeze_motion(const Simulation& simulation, const RunFolder& folder) {
+  const fs::path file = motion_path(folder.path());
+  const std::optional<KeptMotion> kept = read_motion(file);
+  const std::string text = motion_text(whole_motion(simulation, folder.path(), kept));
+  if (!kept || motion_text(*kept) != text) write_file(file, text);
+}
+
+}  // namespace umax
