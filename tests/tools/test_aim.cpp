@@ -170,7 +170,7 @@ TEST_CASE("a run that fails ends the aim with its exit code and names it", "[aim
 TEST_CASE("an aim that is stopped or killed goes on when resumed, to the same result", "[aim]") {
   const TemporaryFolder folder;
   // fine steps, so that it lasts
-  const Words long_aim = tip + young + Words{"--set", "clip.substeps=60"};
+  const Words long_aim = tip + young + Words{"--set", "clip.substeps=15"};
   REQUIRE(exit_code_of(aim_beam(folder, long_aim, "whole")) == 0);
   for (const char* signal : {"INT", "KILL"}) {
     CAPTURE(signal);

@@ -162,7 +162,7 @@ TEST_CASE("height, width and length are those of the box around the surface, a p
   CHECK(block.value("squash(block) at 0.1 s = 50 %", Vector3d(1, 1, 1), move) == Approx(1));
 }
 
-TEST_CASE("a tip is a probe's coordinate; what is left counts by how far it has to go", "[aim]") {
+TEST_CASE("a tip is a probe's coordinate, and what is left counts by how far it has to go", "[aim]") {
   const MadeBlock block;
   const Vector3d stretch(1.5, 0.5, 1), move(3, -2, 1);
   CHECK(block.value("tip(top, x) at 0.1 s = 1 m", stretch, move) == Approx(3.1));

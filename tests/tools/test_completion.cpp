@@ -61,7 +61,7 @@ TEST_CASE("bash completes verbs", "[completion]") {
 TEST_CASE("bash completes the options that the verb takes", "[completion]") {
   CHECK(offered({"compare", "a.png", "--m"}) == Words{"--max-flip"});
   CHECK(offered({"run", "beam", "--s"}) == Words{"--samples", "--seed", "--set", "--size", "--strict"});
-  CHECK(offered({"--size", "64x36", "turntable", "--st"}) == Words{"--still"});
+  CHECK(offered({"--size", "64x36", "turntable", "--st"}) == Words{"--stage", "--still"});
   CHECK(offered({"-"}) == Words{"--help", "--version", "-h"});
   for (const Verb& verb : verbs()) {
     Words wanted;
