@@ -2,38 +2,24 @@
 
 #include <vector>
 
-#include "core/files/write_file.h"
-#include "tools/run/run_folder.h"
 #include "tools/trials/trial_runs.h"
 
 namespace umax {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* record_name = "aim.json";
+constexpr const char *record_name = "aim.json", *program = "umax aim";
 
 bool has_record(const fs::path& folder) {
-  return is_record_of(folder / record_name, "umax aim");
+  return is_record_of(folder / record_name, program);
 }
 
-constexpr FolderKind aim_kind{"search of umax aim", ".umax-aim.lock", has_record};
+constexpr TrialFolderKind kind{{"search of umax aim", ".umax-aim", has_record}, record_name, program};
 
 }  // namespace
 
-AimFolder::AimFolder(const fs::path& path, ExistingFolder existing) : folder_(path, existing, aim_kind) {
-  if (existing == ExistingFolder::overwrite && !folder_.is_new()) {
-    remove_trials(this->path() / "scenes", this->path() / "runs");
-    remove_pages();
-  }
-  remove_leftovers(this->path());
-  create_folder(this->path() / "scenes");
-  create_folder(this->path() / "runs");
-  std::error_code error;
-  if (!fs::exists(record(), error)) write_file(record(), "{ \"program\": \"umax aim\" }\n");
-}
-
-fs::path AimFolder::record() const {
-  return path() / record_name;
+AimFolder::AimFolder(const fs::path& path, ExistingFolder existing) : TrialFolder(path, existing, kind) {
+  if (is_replaced()) remove_pages();
 }
 
 void AimFolder::remove_pages() const {
