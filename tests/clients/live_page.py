@@ -5,6 +5,7 @@ browser watches, reloading reconnects, and nothing comes from elsewhere.
 
 usage: live_page.py PROGRAM [SCREENSHOTS]    needs the packages of tools/packages.test
 """
+import contextlib
 import os
 import signal
 import subprocess
@@ -154,6 +155,22 @@ class Page:
         return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
 
 
+@contextlib.contextmanager
+def page_of(program, scene):
+    """A live session of its own, and its page, in which no error may come up."""
+    live = Live(program, scene, scene.parent)
+    page = None
+    try:
+        page = Page(live.address())
+        yield page
+        check(f"no error in the browser {page.errors()}", not page.errors())
+    finally:
+        if page:
+            page.browser.quit()
+        live.process.send_signal(signal.SIGINT)
+        live.process.wait(timeout=20)
+
+
 def test_opening(page):
     check("the page tells the scene", page.text("name") == "ball" and "hexes" in page.text("size"))
     check("the cookie is out of reach of scripts", page.run("return document.cookie") == "")
@@ -199,10 +216,7 @@ def test_no_limit(program, folder):
     lines = [line for line in SCENE.splitlines() if not line.startswith("limit.")]
     check("there was a limit", len(lines) < len(SCENE.splitlines()))
     (folder / "soft.toml").write_text("\n".join(lines))
-    live = Live(program, folder / "soft.toml", folder)
-    page = None
-    try:
-        page = Page(live.address())
+    with page_of(program, folder / "soft.toml") as page:
         box = page.browser.find_element(By.CSS_SELECTOR, "input[type=text][aria-label='body.ball.limit.stretch']")
         check("a limit that is not there is none", box.get_attribute("value") == "none")
         page.click("play")
@@ -215,12 +229,6 @@ def test_no_limit(program, folder):
         box.send_keys("none", Keys.ENTER)
         until("none again", lambda: page.run("return umaxLive.sliders[0].value") == 10 and page.frame("limits") == 0)
         check("which the readout says", box.get_attribute("value") == "none")
-        check(f"no error in the browser {page.errors()}", not page.errors())
-    finally:
-        if page:
-            page.browser.quit()
-        live.process.send_signal(signal.SIGINT)
-        live.process.wait(timeout=20)
 
 
 def test_pin(program, folder):
@@ -228,10 +236,7 @@ def test_pin(program, folder):
     folder.mkdir()
     pin = "pin.top.box = { min = [-1, 1.15, -1], max = [1, 2, 1] }\nlook.color"
     (folder / "held.toml").write_text(SCENE.replace("look.color", pin))
-    live = Live(program, folder / "held.toml", folder)
-    page = None
-    try:
-        page = Page(live.address())
+    with page_of(program, folder / "held.toml") as page:
         x, y = page.run("""
           const at = new THREE.Vector3(...umaxLive.hello.pins[0].place).project(camera), canvas = document.getElementById('view');
           return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];""")
@@ -245,12 +250,6 @@ def test_pin(program, folder):
         mark = "return umaxLive.obstacles[2].matrix.elements[13] - umaxLive.hello.pins[0].place[1]"
         until("and the mark", lambda: abs(page.run(mark) - 0.3) < 1e-3)
         check("a pin is moved by its handle, and leads its body", True)
-        check(f"no error in the browser {page.errors()}", not page.errors())
-    finally:
-        if page:
-            page.browser.quit()
-        live.process.send_signal(signal.SIGINT)
-        live.process.wait(timeout=20)
 
 
 def test_pull(page, pictures):

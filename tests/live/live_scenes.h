@@ -56,4 +56,10 @@ inline void step_often(Session& session, int steps, std::vector<std::string>& st
   }
 }
 
+/// Saved under the folder, read, and simulated again.
+inline std::vector<std::string> replayed(const Session& session, const TemporaryFolder& folder, long long steps) {
+  const Recording recording(folder / "live", ExistingFolder::refuse, 100);
+  return simulated(load_scene(save_session(session, recording).string(), {}), steps);
+}
+
 }  // namespace umax::test

@@ -150,17 +150,22 @@ TEST_CASE("the setting in which two scenes differ is named") {
   CHECK(first_difference(there, there + "[camera]\nfov = 3\n") == "camera.fov is not set there, 3 here");
 }
 
-TEST_CASE("several renders at once draw each frame once, and the pictures and clip of one") {
-  const TemporaryFolder folder;
+/// What the script does with a simulated clip, called with the program and the folder, is what one run does alone, each
+/// frame drawn once.
+void check_drawn_together(const TemporaryFolder& folder, const std::string& script) {
   const fs::path one = run_alone(folder), many = simulate_alone(folder);
-  const ProcessResult result = run_script(
-      "for i in 1 2 3 4; do \"$0\" render \"$1\" --threads 1 --progress json > \"${1%/*}/$i.log\" 2>&1 & all=\"$all "
-      "$!\"; done; "
-      "code=0; for one in $all; do wait $one || code=$?; done; exit $code",
-      many);
-  CHECK(result.exit_code == 0);
+  CHECK(run_script(script, many).exit_code == 0);
   check_each_once(folder.path());
   check_same_pictures(one, many);
+}
+
+TEST_CASE("several renders at once draw each frame once, and the pictures and clip of one") {
+  const TemporaryFolder folder;
+  check_drawn_together(
+      folder,
+      "for i in 1 2 3 4; do \"$0\" render \"$1\" --threads 1 --progress json > \"${1%/*}/$i.log\" 2>&1 & all=\"$all "
+      "$!\"; done; "
+      "code=0; for one in $all; do wait $one || code=$?; done; exit $code");
   // one of them alone made the clip
   int clips = 0;
   for (int i = 1; i <= 4; ++i)
@@ -170,15 +175,10 @@ TEST_CASE("several renders at once draw each frame once, and the pictures and cl
 
 TEST_CASE("two renders of parts at once make the clip of all frames") {
   const TemporaryFolder folder;
-  const fs::path one = run_alone(folder), many = simulate_alone(folder);
-  const ProcessResult result = run_script(
-      "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & "
-      "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\"; "
-      "code=$?; wait $! || code=$?; exit $code",
-      many);
-  CHECK(result.exit_code == 0);
-  check_each_once(folder.path());
-  check_same_pictures(one, many);
+  check_drawn_together(folder,
+                       "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & "
+                       "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\"; "
+                       "code=$?; wait $! || code=$?; exit $code");
 }
 
 TEST_CASE("a render of a part alone makes the clip of that part, and says so") {

@@ -17,6 +17,7 @@
 
 #include "core/base/error.h"
 #include "tools/live/access.h"
+#include "tools/live/answers.h"
 
 namespace umax {
 namespace {
@@ -99,7 +100,6 @@ class Server {
   void look();
   void tell_roles();
   std::string address() const;
-  std::optional<std::string> file(const std::string& target);
   LiveNews news();
 
   Session& session_;
@@ -235,31 +235,30 @@ void Visit::answer() {
 
 // ---- the server
 
-const char* type_of(const std::string& name) {
-  if (name.ends_with(".html")) return "text/html; charset=utf-8";
-  if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
-  if (name.ends_with(".css")) return "text/css; charset=utf-8";
-  return "application/octet-stream";
+Asked asked_by(const Request& request) {
+  const auto header = [&](http::field field) { return std::string_view(request[field].data(), request[field].size()); };
+  return {.method = {request.method_string().data(), request.method_string().size()},
+          .target = {request.target().data(), request.target().size()},
+          .host = header(http::field::host),
+          .origin = header(http::field::origin),
+          .cookies = header(http::field::cookie)};
 }
 
-Response make_response(const Request& request, http::status status, std::string body, const std::string& type) {
-  Response response{status, request.version()};
+Response make_response(const Request& request, const Answer& answer) {
+  Response response{http::status(answer.status), request.version()};
   const std::string host(request[http::field::host]);
-  response.set(http::field::content_type, type);
+  response.set(http::field::content_type, answer.type);
   response.set(http::field::cache_control, "no-store");
   response.set("Content-Security-Policy", content_policy(is_local_host(host) ? host : "127.0.0.1"));
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
+  if (!answer.set_cookie.empty()) response.set(http::field::set_cookie, answer.set_cookie);
   response.keep_alive(request.keep_alive());
-  response.body() = std::move(body);
+  response.body() = answer.body;
   response.prepare_payload();
   return response;
-}
-
-Response refusal(const Request& request, http::status status, const std::string& why) {
-  return make_response(request, status, why + "\n", "text/plain; charset=utf-8");
 }
 
 Server::Server(Session& session, Recording& recording, const ServeOptions& options)
@@ -336,50 +335,15 @@ std::string Server::address() const {
   return fmt::format("http://127.0.0.1:{}/?token={}", acceptor_.local_endpoint().port(), access_.token);
 }
 
-/// The file of a request's target, made where it is a mesh.
-std::optional<std::string> Server::file(const std::string& target) {
-  const std::string name = target == "/" ? "page.html" : target.substr(1);
-  if (const auto found = files_.find(name); found != files_.end()) return found->second;
-  const Simulation& simulation = session_.simulation;  // meshes do not change while it runs
-  for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
-    if (name == fmt::format("body/{}", i)) return encode_body(simulation, i);
-  for (std::size_t i = 0; i < simulation.obstacles.size(); ++i)
-    if (name == fmt::format("obstacle/{}", i)) return encode_obstacle(simulation, i);
-  return std::nullopt;
-}
-
 Response Server::answer(const Request& request) {
-  const std::string host(request[http::field::host]), origin(request[http::field::origin]);
-  const std::string target(request.target());
-  if (!is_local_host(host)) return refusal(request, http::status::forbidden, "This server is for this machine alone.");
-  if (!origin.empty() && !is_own_origin(origin, host))
-    return refusal(request, http::status::forbidden, "Other sites may not ask.");
-  if (request.method() != http::verb::get)
-    return refusal(request, http::status::method_not_allowed, "GET is what there is.");
-  if (take_token(access_, target)) {
-    // not a redirection: a browser sends the cookie along only where the page's own site asks
-    Response response = make_response(request, http::status::ok,
-                                      "<!DOCTYPE html><link rel=\"icon\" href=\"data:,\"><meta http-equiv=\"refresh\" "
-                                      "content=\"0;url=/\"><title>umax live</title>",
-                                      "text/html; charset=utf-8");
-    response.set(http::field::set_cookie, cookie_of(access_));
-    options_.on_address(address(), false);
-    return response;
-  }
-  if (!has_secret(access_, std::string_view(request[http::field::cookie].data(), request[http::field::cookie].size())))
-    return refusal(request, http::status::forbidden,
-                   "The address has been used, or is not the one of this session: take the last one that umax live has "
-                   "said in the terminal.");
-  const std::optional<std::string> body = file(target);
-  if (!body) return refusal(request, http::status::not_found, "There is no such file.");
-  return make_response(request, http::status::ok, *body, type_of(target == "/" ? "page.html" : target));
+  // the simulation's meshes do not change while it runs
+  const Answer answer = answer_to(asked_by(request), files_, session_.simulation, access_);
+  if (answer.is_admission) options_.on_address(address(), false);
+  return make_response(request, answer);
 }
 
 bool Server::may_watch(const Request& request) const {
-  const std::string host(request[http::field::host]), origin(request[http::field::origin]);
-  const std::string cookies(request[http::field::cookie]);
-  return request.target() == "/live" && is_own_origin(origin, host) && has_secret(access_, cookies) &&
-         int(watchers_.size()) < most_watchers;
+  return umax::may_watch(asked_by(request), access_) && int(watchers_.size()) < most_watchers;
 }
 
 void Server::come(const std::shared_ptr<Watcher>& watcher) {
