@@ -198,8 +198,12 @@ bool Presence::claim(const std::string& name) {
   if (is_taken(before, name, {}, file_system_time(place_))) return false;
   if (!claim_as(name, highest_number(before, name) + 1)) return false;
   // who has come at the same moment by another number is seen now, or sees us
-  if (!is_taken(look(place_), name, claims_.at(name), file_system_time(place_))) return true;
-  release(name);
+  const std::vector<Found> after = look(place_);
+  const fs::path own = claims_.at(name);
+  const bool is_there =
+      std::any_of(after.begin(), after.end(), [&](const Found& found) { return found.path == own; });
+  if (is_there && !is_taken(after, name, own, file_system_time(place_))) return true;
+  withdraw(name);
   return false;
 }
 
@@ -212,16 +216,22 @@ bool Presence::claim_when_free(const std::string& name, const std::function<bool
   return true;
 }
 
+// Ours goes last: as long as it is there nobody else has the claim, and what the gone left is nobody's. Who has just
+// come and is about to see us keeps his file: it may be the next claim.
 void Presence::release(const std::string& name) {
+  if (claims_.count(name) == 0) return;
+  const double now = file_system_time(place_);
+  for (const Found& left : look(place_))
+    if (left.name == name && left.path != claims_.at(name) && !is_living(left, now)) ::unlink(left.path.c_str());
+  withdraw(name);
+}
+
+void Presence::withdraw(const std::string& name) {
   const std::lock_guard lock(mutex_);
   const auto found = claims_.find(name);
   if (found == claims_.end()) return;
-  const fs::path own = found->second;
-  // with those of the gone that it followed
-  for (int number = 1; claim_path(place_, name, number) != own; ++number)
-    ::unlink(claim_path(place_, name, number).c_str());
-  ::unlink(own.c_str());
-  copies_.erase(own);
+  ::unlink(found->second.c_str());
+  copies_.erase(found->second);
   claims_.erase(found);
 }
 
@@ -260,10 +270,7 @@ void Presence::sweep() {
       ::unlink(found.path.c_str());
       continue;
     }
-    if (claims_.count(found.name) || !claim(found.name)) continue;
-    for (const Found& left : look(place_))
-      if (left.name == found.name && left.path != claims_.at(found.name)) ::unlink(left.path.c_str());
-    release(found.name);
+    if (claims_.count(found.name) == 0 && claim(found.name)) release(found.name);
   }
 }
 

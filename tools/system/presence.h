@@ -59,6 +59,7 @@ class Presence {
  private:
   void beat();
   bool claim_as(const std::string& name, int number);
+  void withdraw(const std::string& name);  // our file, and nothing else
 
   std::filesystem::path place_, own_;
   Worker worker_;
