@@ -89,10 +89,17 @@ ContactGeometry make_contact_geometry(const Model& model);
 ContactGeometry part_of(const Model& model, const ContactGeometry& geometry, const Model& part,
                         const std::vector<int>& bodies);
 
-/// The one way out of a body for all vertices of another that starts deep inside it: each one's nearest might be any side.
+/// The one way out of a body for all vertices of another that start the step deep inside it: each one's nearest might be
+/// any.
 struct WayOut {
   Vector3d direction{0, 1, 0};  // world, unit
-  double depth = 0;             // [m] of the deepest vertex of the two
+  Eigen::AlignedBox3d where;    // around those that start deep
+};
+
+/// Bodies that start a step deep inside each other.
+struct DeepStart {
+  std::map<std::pair<int, int>, WayOut> ways_out;  // of the first body's vertices out of the second
+  std::vector<Contact> contacts;                   // without force, of the deepest vertex of each hex
 };
 
 struct Clearances;
@@ -107,7 +114,7 @@ struct ContactStep {
   std::vector<double> recovery;            // per body [m] by which a start in penetration is pushed out in this step
   bool surfaces_touch = true;              // false: obstacles alone are touched
   std::shared_ptr<Clearances> clearances;  // what searches remember; never decides what they find
-  std::map<std::pair<int, int>, WayOut> ways_out;  // of the first body's vertices out of the second
+  DeepStart deep_start;                    // of bodies
 };
 /// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double same_side = 0.5;  // [-] cosine of normals of the side that a vertex came through
 constexpr double at_surface = 2;   // [penetration tolerances] of a vertex that may have come in by any side
-constexpr double way_reach = 1.2;  // times the depth of bodies inside each other, of what counts as their overlap
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
 
@@ -54,13 +53,44 @@ Vector3d pushed_forward(const Model& model, const HeldVertex& held, const Vector
   return held.F_inverse.transpose() * (body_of(model, held.other.hex).rest_pose.rotation * normal);
 }
 
-// The triangles by which a vertex at X leaves along the way, if it is inside or at the surface, and not deeper than the
-// bodies are.
-SurfaceHit hit_along(const Model& model, const HeldVertex& held, const Vector3d& X, const WayOut& way) {
-  const Model::BodyRange& body = body_of(model, held.other.hex);
+// the other way round: of a plane with this normal in the world, unit
+Vector3d seen_at_rest(const Model& model, const HeldVertex& held, const Vector3d& normal) {
   const Matrix3d F = held.F_inverse.inverse();
-  const Vector3d direction = (body.rest_pose.rotation.transpose() * (F.transpose() * way.direction)).normalized();
-  return nearest_alike(*body.rest_surface, X, direction, same_side, way_reach * way.depth);
+  return (body_of(model, held.other.hex).rest_pose.rotation.transpose() * (F.transpose() * normal)).normalized();
+}
+
+// is the point farther from the surface than `by`, on its outside?
+bool is_outside(const RestSurface& surface, const Vector3d& X, double by) {
+  const DistanceBounds bounds = distance_bounds(surface, X);
+  return bounds.low > by || (bounds.high > by && nearest_within(surface, X, bounds).distance > by);
+}
+
+// where the vertex was at the step's start, seen from the material that holds it now
+Vector3d started_at(const Model& model, const Points& start, const HeldVertex& held) {
+  return held.X + body_of(model, held.other.hex).rest_pose.rotation.transpose() * away_at(model, start, held);
+}
+
+// the nearest of the surface from where the vertex started; triangle -1: it certainly started outside
+SurfaceHit nearest_at_start(const RestSurface& surface, const Vector3d& X_start) {
+  const DistanceBounds bounds = distance_bounds(surface, X_start);
+  return bounds.low > 0 ? SurfaceHit{} : nearest_within(surface, X_start, bounds);
+}
+
+// What a vertex meets that started deeper than tolerances explain, and is inside; triangle -1: this one did not, or is
+// out.
+SurfaceHit hit_along(const Model& model, const RestSurface& surface, const HeldVertex& held, const Leaving& leaving) {
+  const Vector3d X_start = started_at(model, *leaving.start, held);
+  SurfaceHit hit = nearest_at_start(surface, X_start);
+  const bool was_deep = hit.triangle >= 0 && hit.distance < -tolerance_between(model, held.vertex.hex, held.other.hex);
+  if (!was_deep || is_outside(surface, held.X, 0)) return {};
+  hit.normal = seen_at_rest(model, held, leaving.way.direction);
+  hit.distance += (held.X - X_start).dot(hit.normal);
+  return hit;
+}
+
+// is it where others go out? It would be in their way.
+bool may_come_in(const Model& model, const HeldVertex& held, const Leaving& leaving) {
+  return leaving.way.where.contains(embedded_position(model, *leaving.start, held.vertex));
 }
 
 // was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
@@ -68,12 +98,6 @@ bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex
   const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
   const DistanceBounds bounds = distance_bounds(surface, held.X0);
   return bounds.low < -slack && nearest_within(surface, held.X0, bounds).distance < -slack;
-}
-
-// is the point farther from the surface than `by`, on its outside?
-bool is_outside(const RestSurface& surface, const Vector3d& X, double by) {
-  const DistanceBounds bounds = distance_bounds(surface, X);
-  return bounds.low > by || (bounds.high > by && nearest_within(surface, X, bounds).distance > by);
 }
 
 }  // namespace
@@ -102,15 +126,17 @@ double least_gap(const HeldVertex& held) {
   return -std::max(-held.bounds.low, held.moved) * held.F_inverse.inverse().norm();
 }
 
-Touch measure(const Model& model, const HeldVertex& held, const WayOut* way) {
+Touch measure(const Model& model, const HeldVertex& held, const std::optional<Leaving>& leaving) {
   const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
   const double tolerance = tolerance_between(model, held.vertex.hex, held.other.hex);
   SurfaceHit hit;
   double clear = -anywhere;
-  if (way && !is_outside(surface, held.X0, at_surface * tolerance)) hit = hit_along(model, held, held.X, *way);
-  if (hit.triangle < 0)
+  if (leaving) hit = hit_along(model, surface, held, *leaving);
+  const bool goes_out = hit.triangle >= 0;
+  if (!goes_out)
     hit = was_inside(model, surface, held) ? nearest_within(surface, held.X, held.bounds)  // the nearest way out
                                            : hit_from_outside(surface, held, tolerance, clear);
+  if (leaving && !goes_out && may_come_in(model, held, *leaving)) hit.distance = std::abs(hit.distance);
   const Vector3d pushed = pushed_forward(model, held, hit.normal);
   return {hit.distance / pushed.norm(), pushed.normalized(), clear};
 }
@@ -118,22 +144,22 @@ Touch measure(const Model& model, const HeldVertex& held, const WayOut* way) {
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
   const Model& model = *step.model;
   const int hex = held.vertex.hex, other = held.other.hex;
-  const Model::BodyRange& body = body_of(model, other);
-  const Vector3d X_start = held.X + body.rest_pose.rotation.transpose() * away_at(model, step.positions_t0, held);
-  const DistanceBounds bounds = distance_bounds(*body.rest_surface, X_start);
-  if (bounds.low > 0) return {};
-  SurfaceHit start;
-  if (const WayOut* way = way_between(step, hex, other)) start = hit_along(model, held, X_start, *way);
-  if (start.triangle < 0) start = nearest_within(*body.rest_surface, X_start, bounds);
-  const double depth = -start.distance / pushed_forward(model, held, start.normal).norm();
+  const SurfaceHit start =
+      nearest_at_start(*body_of(model, other).rest_surface, started_at(model, step.positions_t0, held));
+  if (start.triangle < 0) return {};
+  const std::optional<Leaving> leaving = leaving_of(step, hex, other);
+  const Vector3d normal = leaving ? seen_at_rest(model, held, leaving->way.direction) : start.normal;
+  const double depth = -start.distance / pushed_forward(model, held, normal).norm();
   const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[other]]);
   return allowed_depth(depth, tolerance_between(model, hex, other), recovery);
 }
 
-const WayOut* way_between(const ContactStep& step, int hex, int other_hex) {
-  if (step.ways_out.empty()) return nullptr;
-  const auto found = step.ways_out.find({step.model->hex_body[hex], step.model->hex_body[other_hex]});
-  return found == step.ways_out.end() ? nullptr : &found->second;
+std::optional<Leaving> leaving_of(const ContactStep& step, int hex, int other_hex) {
+  const auto& ways = step.deep_start.ways_out;
+  if (ways.empty()) return {};
+  const auto found = ways.find({step.model->hex_body[hex], step.model->hex_body[other_hex]});
+  if (found == ways.end()) return {};
+  return Leaving{found->second, &step.positions_t0};
 }
 
 }  // namespace umax

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "core/contact/contact.h"
 
@@ -49,13 +50,21 @@ bool is_clear(const RestSurface& surface, const HeldVertex& held);
 /// it came from.
 double least_gap(const HeldVertex& held);
 
-/// way: out of the touched body, if the bodies started deep inside each other.
-Touch measure(const Model& model, const HeldVertex& held, const WayOut* way);
+/// Two bodies that start the step deep inside each other.
+struct Leaving {
+  WayOut way;
+  const Points* start = nullptr;  // #N x 3 [m]
+};
+
+/// leaving: which way vertices that started deep have to go. The gap is then that of a plane across the way, which lies as
+/// far ahead of where the vertex started as it started deep; vertices nearby that started outside may come in.
+Touch measure(const Model& model, const HeldVertex& held, const std::optional<Leaving>& leaving);
 
 /// The depth that the vertex may have at the end of the step, by how deep it was at its start.
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held);
 
-/// The way out of one hex's body for vertices of another's; null: there is none.
-const WayOut* way_between(const ContactStep& step, int hex, int other_hex);
+/// Of vertices of one hex out of the other's body, if the bodies start the step deep inside each other. As long as the step
+/// lives.
+std::optional<Leaving> leaving_of(const ContactStep& step, int hex, int other_hex);
 
 }  // namespace umax

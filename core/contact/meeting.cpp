@@ -121,7 +121,7 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   encounter.hex,
                   first_vertex(search.step.geometry->clusters, encounter.hex),
                   {},
-                  way_between(search.step, encounter.hex, encounter.others.front()),
+                  leaving_of(search.step, encounter.hex, encounter.others.front()),
                   {},
                   {},
                   search.clearances.of_encounters[i]};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,7 @@ struct Meeting {
   int hex = 0;
   const int* vertices = nullptr;  // of the hex, by cluster
   Matrix8x3d nodes;
-  const WayOut* way = nullptr;
+  std::optional<Leaving> leaving;
   std::vector<OtherHex> others;
   std::vector<int> near;  // of these, by number: those that may touch, the ones that were deepest first
   Clearances::OfEncounter& clearance;
@@ -85,8 +86,8 @@ DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& dee
   for (const int k : meeting.near) {
     if (!find_held(meeting, k, held)) continue;
     const double most = deepest.gap + tie;
-    if (!meeting.way && least_gap(held) > most) continue;
-    const Touch touch = measure(meeting.model, held, meeting.way);
+    if (!meeting.leaving && least_gap(held) > most) continue;
+    const Touch touch = measure(meeting.model, held, meeting.leaving);
     remember(meeting, k, held, touch);
     if (touch.gap > most) continue;
     const double gap = touch.gap + deep(held);

@@ -33,9 +33,10 @@ void take(const ContactStep& step, const Points& positions, const HeldVertex& he
   contact.normal = touch.normal;
   contact.gap = touch.gap + allowed.deep + allowed.shallow;
   // what is pushed out of an overlap slides: friction would hold a body by its sides
-  contact.friction = allowed.deep > 0 ? 0
-                                      : friction_between(*step.model, step.model->hex_body[contact.support.hex],
-                                                         step.model->hex_body[contact.other.hex]);
+  const bool slides = allowed.deep > 0 || leaving_of(step, contact.support.hex, contact.other.hex);
+  contact.friction = slides ? 0
+                            : friction_between(*step.model, step.model->hex_body[contact.support.hex],
+                                               step.model->hex_body[contact.other.hex]);
   contact.position = contact_position(*step.model, positions, contact);
 }
 
@@ -135,7 +136,7 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     Contact next = contact;
     follow(model, positions, contact);
     if (!found) continue;
-    take(step, positions, held, measure(model, held, way_between(step, vertex.hex, held.other.hex)), next);
+    take(step, positions, held, measure(model, held, leaving_of(step, vertex.hex, held.other.hex)), next);
     move_on(model, positions, next, contact);
   }
 }

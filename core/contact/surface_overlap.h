@@ -1,8 +1,6 @@
 // Bodies that are inside each other: how deep, and the way by which they leave.
 #pragma once
 
-#include <map>
-#include <utility>
 #include <vector>
 
 #include "core/contact/contact.h"
@@ -22,7 +20,7 @@ double max_surface_penetration(const Model& model, const ContactGeometry& geomet
 /// Is one of the contacts' vertices deep inside a body at the step's start?
 bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts);
 
-/// The ways out of bodies that are deep inside each other at the step's start, where most of their vertices agree on one.
-std::map<std::pair<int, int>, WayOut> find_ways_out(const ContactStep& step);
+/// Of bodies that are deep inside each other at the step's start.
+DeepStart find_deep_start(const ContactStep& step);
 
 }  // namespace umax

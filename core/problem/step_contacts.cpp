@@ -61,12 +61,20 @@ double deepest(const std::vector<Contact>& contacts) {
   return depth;
 }
 
-void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state) {
+void remember_contacts(const StepProblem& problem, const std::vector<Contact>& contacts, State& state) {
   state.contacts.clear();
+  const auto remember = [&](const Contact& contact) {
+    state.contacts.push_back({contact.point, contact.obstacle, contact.support.hex,
+                              contact.between_bodies() ? contact.other.hex : -1, problem.h * contact.force});
+  };
   for (const Contact& contact : contacts)
-    if (contact.force.squaredNorm() > 0)
-      state.contacts.push_back({contact.point, contact.obstacle, contact.support.hex,
-                                contact.between_bodies() ? contact.other.hex : -1, time_step * contact.force});
+    if (contact.force.squaredNorm() > 0) remember(contact);
+  for (const Contact& contact : problem.contact.deep_start.contacts)
+    if (std::none_of(state.contacts.begin(), state.contacts.end(), [&](const State::ContactImpulse& memory) {
+          return memory.obstacle < 0 && memory.point.index == contact.point.index &&
+                 memory.other_hex == contact.other.hex;
+        }))
+      remember(contact);
 }
 
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {

@@ -31,8 +31,9 @@ void remember_apart(const Model& model, const std::vector<Contact>& contacts, co
 /// Depth [m] of the deepest contact of a working set, 0 where all are open.
 double deepest(const std::vector<Contact>& contacts);
 
-/// The impulses that the next step starts from: force times the time step [s], so that they suit steps of any size.
-void remember_contacts(const std::vector<Contact>& contacts, double time_step, State& state);
+/// The impulses that the next step starts from: force times the time step, so that they suit steps of any size. And the
+/// vertices that started deep: bodies on their way out of each other need not push.
+void remember_contacts(const StepProblem& problem, const std::vector<Contact>& contacts, State& state);
 
 /// Contacts of the last step that carried an impulse, placed at the given positions.
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions);

@@ -39,7 +39,7 @@ double joining_share_for(double tolerance) {
   return 0.5 * std::min(1.0, tolerance / SolverOptions{}.tolerance);
 }
 
-// Bodies may be deep inside each other in the first step, and as long as contacts that push are.
+// Bodies may be deep inside each other in the first step, and as long as remembered contacts are.
 bool may_start_deep(const ContactStep& contact, const State& state) {
   if (!contact.surfaces_touch || !contact.geometry->touchable.any() || contact.model->bodies.size() < 2) return false;
   if (state.step == 0) return true;
@@ -68,7 +68,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
   ContactStep contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
                                            state.time, h, options.gravity.norm());
   contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
-  if (may_start_deep(contact, state)) contact.ways_out = find_ways_out(contact);
+  if (may_start_deep(contact, state)) contact.deep_start = find_deep_start(contact);
   Materials materials = materials_at(model, state.time + h);
   StepPins pins = pins_at(model, options.pulls, materials.young, state.time + h, h);
   return {

@@ -176,7 +176,7 @@ StepReport exact_step(const StepProblem& problem, bool may_be_halved, Workspace:
   count_contacts(*problem.model, iterate.contacts, report);
   report.limits_active = count_hexes(*problem.model, limit_factors(problem, iterate));
   report.kkt_residual = iterate.residuals.back();
-  remember_contacts(iterate.contacts, problem.h, state);
+  remember_contacts(problem, iterate.contacts, state);
   return report;
 }
 

@@ -294,7 +294,7 @@ StepReport paper_step(const StepProblem& problem, Workspace::Data& workspace, St
   evaluate(problem, state.positions, evaluation);
   report.kkt_residual = kkt_residual(problem, evaluation, state.positions,
                                      state.limit_multipliers.cwiseQuotient(problem.materials.limits), iterate.contacts);
-  remember_contacts(iterate.contacts, problem.h, state);
+  remember_contacts(problem, iterate.contacts, state);
   return report;
 }
 

@@ -153,7 +153,7 @@ BenchRows million() {
 
 // the heap's bodies again and again, in towers side by side
 Scene crowd_scene(int count) {
-  constexpr double between_towers = 2;  // [m]
+  constexpr double between_towers = 3;  // [m]
   Scene scene = load_scene("heap");
   const std::vector<BodyDescription> heap = scene.bodies;
   scene.bodies.clear();
