@@ -200,8 +200,7 @@ bool Presence::claim(const std::string& name) {
   // who has come at the same moment by another number is seen now, or sees us
   const std::vector<Found> after = look(place_);
   const fs::path own = claims_.at(name);
-  const bool is_there =
-      std::any_of(after.begin(), after.end(), [&](const Found& found) { return found.path == own; });
+  const bool is_there = std::any_of(after.begin(), after.end(), [&](const Found& found) { return found.path == own; });
   if (is_there && !is_taken(after, name, own, file_system_time(place_))) return true;
   withdraw(name);
   return false;
