@@ -88,6 +88,23 @@ TEST_CASE("a run that is asked to stop keeps what is complete and says which sig
   CHECK(!has_half_written_files(run));
 }
 
+TEST_CASE("a deadline ends a run with what is complete, and it goes on") {
+  const TemporaryFolder folder;
+  const std::string scene = write_scene(folder, block_scene()).string(), run = (folder / "run").string();
+  const Words simulate{"simulate", scene, "-o", run, "--set", "clip.frames=100000", "--deadline"};
+  const ProcessResult first = umax_program(simulate + Words{"0.01 min"});
+  CHECK(first.exit_code == 75);
+  CHECK(first.output.find("stopped by the deadline; what is finished is kept, --resume goes on") != std::string::npos);
+  CHECK(file_text(folder / "run/run.json").find("\"exit_status\": 75") != std::string::npos);
+  CHECK(!has_half_written_files(run));
+  const std::size_t states = files_in(folder / "run/states").size();
+  REQUIRE(states > 1);
+  CHECK(exit_code_of(simulate + Words{"600ms", "--resume"}) == 75);
+  CHECK(files_in(folder / "run/states").size() > states);
+  for (const char* deadline : {"soon", "0", "-1 h", "3 kg"})
+    CHECK(exit_code_of({"simulate", scene, "-o", run, "--resume", "--deadline", deadline}) == 2);
+}
+
 TEST_CASE("a run that is asked to stop does so in the middle of a step") {
   const TemporaryFolder folder;
   const std::string scene = write_scene(folder, block_scene()).string(), log = (folder / "log").string();

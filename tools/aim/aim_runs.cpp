@@ -103,7 +103,7 @@ bool AimRuns::simulate(std::size_t begin) {
   if (items.empty()) return true;
   for (const WorkResult& result : run_workers(items, workers_, "aim", progress_))
     if (exit_code_ == 0) exit_code_ = result.exit_code;
-  if (stop_signal() != 0) exit_code_ = 128 + stop_signal();
+  if (stop_signal() != 0) exit_code_ = exit_code_after(stop_signal());
   return exit_code_ == 0;
 }
 

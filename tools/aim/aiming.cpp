@@ -50,8 +50,8 @@ bool write_report(const AimPlan& plan, const AimFolder& folder, const AimRuns& r
 }
 
 int stopped(Progress& progress) {
-  progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", stop_signal()));
-  return 128 + stop_signal();
+  progress.note(stop_note(stop_signal()));
+  return exit_code_after(stop_signal());
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ const std::vector<ExitCodeMeaning>& exit_codes() {
       {"70", "internal error"},
       {"73", "the output cannot be created"},
       {"74", "a read or write failed later"},
-      {"75", "try again: the folder is in use, or with --strict a step did not converge"},
+      {"75", "try again: the folder is in use, the --deadline is over, or with --strict a step did not converge"},
       {"128+n", "ended by signal n; what was finished is kept"}};
   return all;
 }

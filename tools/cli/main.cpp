@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <optional>
 
 #include "core/base/error.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/help_text.h"
 #include "tools/cli/verb.h"
 #include "tools/system/exit_code.h"
+#include "tools/system/signals.h"
 #include "tools/system/version.h"
 
 namespace {
@@ -25,6 +27,7 @@ int run(int argc, char** argv) {
     fmt::print("{}", options.verb == "help" ? umax::help_text() : umax::help_text(options.verb));
     return 0;
   }
+  if (const std::optional<double> seconds = umax::deadline_of(options)) umax::set_deadline(*seconds);
   return umax::find_verb(options.verb).run(options);
 }
 

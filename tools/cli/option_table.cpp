@@ -5,6 +5,7 @@
 
 #include <cstdio>
 
+#include "scenes/quantity.h"
 #include "tools/exchange/export_format.h"
 #include "tools/system/machine_memory.h"
 
@@ -21,6 +22,14 @@ std::string check_size(const std::string& text) {
 std::string check_memory(const std::string& text) {
   if (parse_memory(text)) return "";
   return "\"" + text + "\" is no size of memory; write it as 8G, 500M or a number of bytes";
+}
+
+std::string check_deadline(const std::string& text) {
+  std::string problem;
+  const auto time = parse_quantity(text, units::time, problem);
+  if (!time) return "\"" + text + "\" " + problem + "; write it as 2 h, 90 min or a number of seconds";
+  if (!(time->value > 0) || time->value > 1e8) return "\"" + text + "\" is no time from now; write it as 2 h or 90 min";
+  return "";
 }
 
 using Table = std::vector<OptionDefinition>;
@@ -50,6 +59,12 @@ Table run_table() {
        .description = "replace the run that the folder holds (live: saved sessions stay); strip, inspect --map, "
                       "--picture: the picture",
        .target = &Options::overwrite},
+      {.name = "--deadline",
+       .value = "TIME",
+       .description = "stop cleanly after that long, as 2 h or 90 min, with exit code 75; --resume goes on",
+       .target = &Options::deadline,
+       .examples = {"2h", "90min"},
+       .check = check_deadline},
       {.name = "--strict",
        .description = "end with exit code 75 when a step does not converge",
        .target = &Options::strict},

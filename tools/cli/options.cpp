@@ -1,6 +1,7 @@
 #include "tools/cli/options.h"
 
 #include "core/base/error.h"
+#include "scenes/quantity.h"
 #include "scenes/scene_file.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/threads.h"
@@ -56,6 +57,12 @@ ProgressMode progress_mode(const Options& options) {
 
 std::optional<long long> memory_limit(const Options& options) {
   return options.memory ? parse_memory(*options.memory) : std::nullopt;
+}
+
+std::optional<double> deadline_of(const Options& options) {
+  std::string problem;
+  const auto time = options.deadline ? parse_quantity(*options.deadline, units::time, problem) : std::nullopt;
+  return time ? std::optional(time->value) : std::nullopt;
 }
 
 RunOptions run_options(const Options& options, int threads) {

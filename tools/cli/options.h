@@ -23,7 +23,8 @@ struct Options {
   std::vector<std::string> labels;    // --label TEXT: strip, one for each thing in it
   std::optional<int> still;           // --still: the frame that turntable circles
   std::optional<int> threads;
-  std::optional<std::string> memory;  // "8G": parse_memory() reads it
+  std::optional<std::string> memory;    // "8G": parse_memory() reads it
+  std::optional<std::string> deadline;  // "2 h"
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false,
        no_clip = false, json = false;
   bool allow_overlap = false;
@@ -85,6 +86,9 @@ void require_new_file(const std::filesystem::path& path, const Options& options)
 std::vector<Override> scene_overrides(const Options& options);
 
 ProgressMode progress_mode(const Options& options);
+
+/// [s] from now that --deadline gives.
+std::optional<double> deadline_of(const Options& options);
 
 /// [bytes] that --memory gives.
 std::optional<long long> memory_limit(const Options& options);

@@ -36,7 +36,7 @@ int encode_run(const Options& options) {
   require_pictures(run, frames);
   Progress progress(stdout, progress_mode(options), options.quiet);
   const int signal = make_clip(folder, frames, scene, progress);
-  return signal == 0 ? 0 : 128 + signal;
+  return exit_code_after(signal);
 }
 
 }  // namespace

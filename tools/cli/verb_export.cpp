@@ -73,7 +73,7 @@ int export_folder(const Options& options) {
   const SignalWatch watch;
   const fs::path folder = options.output ? fs::path(*options.output) : exports_path(run);
   const ExportResult result = export_run(simulation, run, frames, folder, wanted, progress);
-  return result.signal == 0 ? 0 : 128 + result.signal;
+  return exit_code_after(result.signal);
 }
 
 }  // namespace

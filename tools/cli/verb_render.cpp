@@ -76,8 +76,8 @@ Verb render_verb() {
       .examples = {"umax render falling --overwrite --engine osmesa --set render.heatmap=energy",
                    "umax render falling --resume"},
       .arguments = {.folders = true},
-      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--quick", "--no-clip", "--engine",
-                  "--samples", "--size", "--seed", "--threads", "--progress", "--quiet", "--verbose"},
+      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--deadline", "--quick", "--no-clip",
+                  "--engine", "--samples", "--size", "--seed", "--threads", "--progress", "--quiet", "--verbose"},
       .run = render_run};
 }
 

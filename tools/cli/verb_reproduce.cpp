@@ -72,8 +72,8 @@ int reproduce(const Options& options) {
   try {
     run_experiments(names, bench, progress);
   } catch (const Interrupted& interrupted) {
-    progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", interrupted.signal));
-    return 128 + interrupted.signal;
+    progress.note(stop_note(interrupted.signal));
+    return exit_code_after(interrupted.signal);
   }
   progress.note(fmt::format("report: {}", folder.page().string()));
   return 0;
@@ -93,8 +93,8 @@ Verb reproduce_verb() {
           "of them. With --resume a report that was stopped goes on, and further experiments join its page.",
       .examples = {"umax reproduce figure3 --quick", "umax reproduce --set body.armadillo.mesh=armadillo.obj"},
       .arguments = {.words = known_names},
-      .options = {"--output", "--set", "--resume", "--overwrite", "--quick", "--samples", "--threads", "--memory",
-                  "--progress", "--quiet", "--verbose"},
+      .options = {"--output", "--set", "--resume", "--overwrite", "--deadline", "--quick", "--samples", "--threads",
+                  "--memory", "--progress", "--quiet", "--verbose"},
       .run = reproduce};
 }
 

@@ -27,8 +27,8 @@ Verb simulate_verb() {
           "--resume it goes on from the last whole state; the result is the same to the last bit as without the break.",
       .examples = {"umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100"},
       .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
-      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--strict", "--allow-overlap", "--export",
-                  "--threads", "--memory", "--progress", "--quiet", "--verbose"},
+      .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--deadline", "--strict",
+                  "--allow-overlap", "--export", "--threads", "--memory", "--progress", "--quiet", "--verbose"},
       .run = simulate_scene};
 }
 

@@ -53,7 +53,7 @@ int paint_strip(const Options& options) {
   const RenderDescription& render = items.front().simulation->scene.render;
   const RenderScene strip = make_strip(items, double(render.width) / render.height);
   const SignalWatch watch;
-  if (!Painter(render, threads.count()).paint(strip, path)) return 128 + stop_signal();
+  if (!Painter(render, threads.count()).paint(strip, path)) return exit_code_after(stop_signal());
   if (!options.quiet) fmt::print("strip: {}\n", path.string());
   return 0;
 }

@@ -81,9 +81,9 @@ Verb turntable_verb() {
               "of pictures.",
           .examples = {"umax turntable bunny.ply --height \"20 cm\"", "umax turntable falling --still 60"},
           .arguments = {.words = scene_names, .endings = {"*"}},
-          .options = {"--output", "--set",     "--frames",  "--resume",   "--overwrite", "--quick",  "--no-clip",
-                      "--engine", "--samples", "--size",    "--seed",     "--still",     "--height", "--unit",
-                      "--up",     "--stage",   "--threads", "--progress", "--quiet",     "--verbose"},
+          .options = {"--output",  "--set",    "--frames",  "--resume",  "--overwrite", "--deadline", "--quick",
+                      "--no-clip", "--engine", "--samples", "--size",    "--seed",      "--still",    "--height",
+                      "--unit",    "--up",     "--stage",   "--threads", "--progress",  "--quiet",    "--verbose"},
           .run = turn};
 }
 

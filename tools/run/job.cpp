@@ -227,9 +227,8 @@ int do_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
     hand.folder.share();
     if (signal == 0) signal = picture_stage(hand, pictures);
   }
-  if (signal != 0)
-    hand.progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", signal));
-  return signal == 0 ? 0 : 128 + signal;
+  if (signal != 0) hand.progress.note(stop_note(signal));
+  return exit_code_after(signal);
 }
 
 /// States of another scene are not to be mixed with this one's.
@@ -295,7 +294,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   if (job.replace_pictures) folder.remove_pictures();
   require_same_run(folder, simulation);
   if (use_of(job) == FolderUse::shared)
-    if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return 128 + signal;
+    if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return exit_code_after(signal);
   const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
   write_if_different(folder.scene(), scene_text);
   RecordKeeper keeper(folder, options, scene_text, simulation);

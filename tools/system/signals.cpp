@@ -1,7 +1,13 @@
 #include "tools/system/signals.h"
 
+#include <fmt/format.h>
+#include <sys/time.h>
+
 #include <array>
+#include <cmath>
 #include <csignal>
+
+#include "tools/system/exit_code.h"
 
 namespace umax {
 namespace {
@@ -47,6 +53,29 @@ const std::atomic<bool>& stop_flag() {
 
 int stop_signal() {
   return noted;
+}
+
+void set_deadline(double seconds) {
+  struct sigaction action{};
+  action.sa_handler = note_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGALRM, &action, nullptr);
+  const double whole = std::floor(seconds);
+  itimerval timer{};
+  timer.it_value.tv_sec = time_t(whole);
+  timer.it_value.tv_usec = suseconds_t(1e6 * (seconds - whole));
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+int exit_code_after(int signal) {
+  if (signal == SIGALRM) return exit_code_of(Fault::try_again);
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+std::string stop_note(int signal) {
+  const std::string cause = signal == SIGALRM ? "the deadline" : fmt::format("signal {}", signal);
+  return fmt::format("stopped by {}; what is finished is kept, --resume goes on", cause);
 }
 
 }  // namespace umax

@@ -1,7 +1,8 @@
-// Ctrl-C and termination: noticed, so that what is complete can be kept.
+// What asks the program to stop, Ctrl-C, termination and --deadline: noticed, so that what is complete can be kept.
 #pragma once
 
 #include <atomic>
+#include <string>
 
 namespace umax {
 
@@ -17,7 +18,16 @@ class SignalWatch {
 /// Becomes true when a signal asks us to stop.
 const std::atomic<bool>& stop_flag();
 
-/// Number of the signal that asks us to stop; 0: none.
+/// Number of the signal that asks us to stop; 0: none. SIGALRM: the deadline is over.
 int stop_signal();
+
+/// From now on the program has so long [s] until SIGALRM asks it to stop.
+void set_deadline(double seconds);
+
+/// The exit code of what a signal has stopped: 128 + signal, 75 (go on later) for the deadline; 0 for 0.
+int exit_code_after(int signal);
+
+/// "stopped by signal 15; what is finished is kept, --resume goes on"
+std::string stop_note(int signal);
 
 }  // namespace umax

@@ -51,7 +51,7 @@ class Crew {
       if (workers_.empty()) break;
       listen();
     }
-    for (; next_ < items_.size(); ++next_) results_[next_] = {128 + stop_signal(), "not begun"};
+    for (; next_ < items_.size(); ++next_) results_[next_] = {exit_code_after(stop_signal()), "not begun"};
     return results_;
   }
 

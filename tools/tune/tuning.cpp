@@ -168,8 +168,8 @@ bool write_pages(TunePage page, const TuneFolder& folder, const std::string& lib
 }
 
 int stopped(Progress& progress) {
-  progress.note(fmt::format("stopped by signal {}; what is finished is kept, --resume goes on", stop_signal()));
-  return 128 + stop_signal();
+  progress.note(stop_note(stop_signal()));
+  return exit_code_after(stop_signal());
 }
 
 }  // namespace
