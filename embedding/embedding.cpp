@@ -200,6 +200,13 @@ void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes,
   });
 }
 
+Points nodal_forces(const EmbeddedPoints& points, const Hexes& hexes, Eigen::Index num_nodes, const Points& forces) {
+  Points nodal = Points::Zero(num_nodes, 3);
+  for (Eigen::Index p = 0; p < points.size(); ++p)
+    for (int n = 0; n < 8; ++n) nodal.row(hexes(points.hex[p], n)) += points.weights(p, n) * forces.row(p);
+  return nodal;
+}
+
 Points deform_points(const EmbeddedPoints& points, const Hexes& hexes, const Points& nodes) {
   Points positions(points.size(), 3);
   for (Eigen::Index p = 0; p < points.size(); ++p) {

@@ -44,6 +44,9 @@ void deform(const Embedding& embedding, const Hexes& hexes, const Points& nodes,
 /// as deform()'s.
 void deform_positions(const Embedding& embedding, const Hexes& hexes, const Points& nodes, Points& out);
 
+/// Forces on embedded points, #P x 3 [N], as they reach the nodes: #N x 3 [N], which do the same work.
+Points nodal_forces(const EmbeddedPoints& points, const Hexes& hexes, Eigen::Index num_nodes, const Points& forces);
+
 /// Current positions of embedded points, #P x 3 [m].
 Points deform_points(const EmbeddedPoints& points, const Hexes& hexes, const Points& nodes);
 

@@ -51,8 +51,7 @@ std::vector<LargestForces> largest_forces(const StepProblem& problem, const Eval
       LargestForces& largest = of_blocks[std::size_t(begin / nodes_per_block)];
       for (Eigen::Index node = body.first_node + begin; node < body.first_node + end; ++node) {
         if (model.node_fixed[node]) continue;
-        const Vector3d inertia = inertia_at(problem, positions, node),
-                       weight = model.node_mass[node] * problem.options->gravity,
+        const Vector3d inertia = inertia_at(problem, positions, node), weight = load_at(problem, node),
                        internal = evaluation.internal.segment<3>(3 * node),
                        limits = limits_at(model, evaluation, limit_factors, node), pushed = push.segment<3>(3 * node);
         largest.sum = std::max(largest.sum, (inertia + internal + limits - pushed).cwiseAbs().maxCoeff());
@@ -144,11 +143,21 @@ VectorXd gather(const Model& model, const HexColumns& elements) {
   return nodal;
 }
 
+Vector3d load_at(const StepProblem& problem, Eigen::Index node) {
+  const StepOptions& options = *problem.options;
+  Vector3d load = problem.model->node_mass[node] * options.gravity;
+  if (options.forces.rows() > 0) load += options.forces.row(node).transpose();
+  return load;
+}
+
 Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::Index node) {
+  const StepOptions& options = *problem.options;
   const Vector3d v1 = (positions.row(node) - problem.positions_t0.row(node)).transpose() / problem.h;
   const Vector3d v0 = problem.velocities_t0.row(node).transpose();
-  return problem.model->node_mass[node] *
-         ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - problem.options->gravity);
+  Vector3d demanded =
+      problem.model->node_mass[node] * ((v1 - v0) / problem.h + problem.damping_mass[node] * v1 - options.gravity);
+  if (options.forces.rows() > 0) demanded -= options.forces.row(node).transpose();
+  return demanded;
 }
 
 Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node) {
@@ -171,6 +180,7 @@ double incremental_potential(const StepProblem& problem, const Evaluation& evalu
     sum += model.node_mass[node] *
            (unforeseen.squaredNorm() / (2 * h * h) + problem.damping_mass[node] * motion.squaredNorm() / (2 * h) -
             problem.options->gravity.dot(motion));
+    if (problem.options->forces.rows() > 0) sum -= problem.options->forces.row(node).dot(motion);
   }
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e) sum += evaluation.elastic_energy[e];
   for (Eigen::Index e = 0; e < evaluation.damping.cols(); ++e) {

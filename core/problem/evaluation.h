@@ -30,7 +30,10 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
 /// Sums element vectors into nodes, in the order of the hexes: 3 #N.
 VectorXd gather(const Model& model, const HexColumns& elements);
 
-/// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g: what inertia, mass damping and gravity demand [N] at a node, a
+/// What acts on a node from outside whatever it does [N]: weight and StepOptions::forces.
+Vector3d load_at(const StepProblem& problem, Eigen::Index node);
+
+/// M ((x - x0)/h - v0)/h + alpha M (x - x0)/h - M g - f: what inertia, mass damping and load demand [N] at a node, a
 /// fixed one too.
 Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::Index node);
 
@@ -38,7 +41,7 @@ Vector3d inertia_at(const StepProblem& problem, const Points& positions, Eigen::
 Vector3d limits_at(const Model& model, const Evaluation& evaluation, const VectorXd& factors, Eigen::Index node);
 
 /// What a step without limits and contacts minimises [J]: 1/(2 h^2) |x - x0 - h v0|^2_M + damping + elastic energy -
-/// m g . (x - x0) + pins' springs, with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
+/// (m g + f) . (x - x0) + pins' springs, with damping of mass as alpha/(2 h) |x - x0|^2_M and of stiffness as beta/(2 h) |x - x0|^2_K(x0).
 double incremental_potential(const StepProblem& problem, const Evaluation& evaluation, const Points& positions);
 
 /// Per body, the largest max-norm [N] among inertia, elastic, limit, contact and gravity forces, what kkt_residual() is

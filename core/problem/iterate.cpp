@@ -103,7 +103,7 @@ std::vector<char> resting_bodies(const StepProblem& problem, const State& state)
 Iterate predict(const StepProblem& problem, const State& state) {
   const Model& model = *problem.model;
   const double h = problem.h;
-  const Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
+  const Points& forces = problem.options->forces;
   const std::vector<char> falls = falling_bodies(model, state), rests = resting_bodies(problem, state);
   Iterate iterate;
   iterate.positions = problem.positions_t0;
@@ -113,6 +113,8 @@ Iterate predict(const StepProblem& problem, const State& state) {
       const int node = model.bodies[b].first_node + i;
       if (model.node_fixed[node]) continue;
       const Eigen::RowVector3d velocity = problem.velocities_t0.row(node);
+      Eigen::RowVector3d gained = h * problem.options->gravity.transpose();  // speed, where nothing holds a body up
+      if (forces.rows() > 0) gained += h / model.node_mass[node] * forces.row(node);
       iterate.positions.row(node) +=
           h * (falls[b] ? Eigen::RowVector3d((velocity + gained) / (1 + h * problem.damping_mass[node])) : velocity);
     }

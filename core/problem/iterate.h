@@ -45,7 +45,7 @@ struct Quality {
   double limit_work = 0;       // [J] that multipliers could do between here and where the limits hold exactly
 };
 
-/// Where nodes go by inertia, and where nothing holds their body up by gravity; the last step's multipliers and
+/// Where nodes go by inertia, and where nothing holds their body up by gravity and forces from outside; the last step's multipliers and
 /// contact forces.
 Iterate predict(const StepProblem& problem, const State& state);
 

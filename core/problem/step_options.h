@@ -62,6 +62,7 @@ struct StepOptions {
   Vector3d gravity{0, -9.81, 0};  // [m/s^2]
   SolverOptions solver{};
   std::vector<Pull> pulls{};  // of this step; multigrids do not know them
+  Points forces{};  // #N x 3 [N] from outside on nodes, the whole step long; no rows: none. Fixed nodes bear theirs
   /// Called once an iteration when set. What it throws ends the step; its state is then as before.
   std::function<void(const IterationReport&)> on_iteration{};
 };

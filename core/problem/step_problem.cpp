@@ -1,8 +1,10 @@
 #include "core/problem/step_problem.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
@@ -85,6 +87,20 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
       .contact = std::move(contact),
       .pins = std::move(pins),
       .joining_share = joining_share_for(options.solver.tolerance)};
+}
+
+void require_forces(const Model& model, const Points& forces) {
+  if (forces.rows() == 0) return;
+  if (forces.rows() != model.num_nodes())
+    throw Error(Fault::bad_data, {.where = "forces",
+                                  .what = "must have one row for each node of the model",
+                                  .value = std::to_string(forces.rows()),
+                                  .remedy = "give " + std::to_string(model.num_nodes()) + " rows, or none"});
+  if (!forces.allFinite())
+    throw Error(Fault::bad_data, {.where = "forces",
+                                  .what = "must be finite",
+                                  .value = "infinity or NaN",
+                                  .remedy = "look at what they are computed from"});
 }
 
 VectorXd flatten(const Points& points) {

@@ -39,6 +39,9 @@ struct StepProblem {
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
                        const ContactGeometry& geometry, const State& state);
 
+/// Throws Error (bad_data) unless StepOptions::forces has no rows, or a finite one for each node.
+void require_forces(const Model& model, const Points& forces);
+
 /// Node by node (x, y, z) as one vector of 3 #N, and back.
 VectorXd flatten(const Points& points);
 Points unflatten(const VectorXd& vector);

@@ -85,6 +85,15 @@ std::unique_ptr<Island> make_island(const Model& model, const ContactGeometry& g
   return island;
 }
 
+Points part_of(const Model& model, const Points& points, const Island& island) {
+  Points part(points.rows() > 0 ? island.model.num_nodes() : 0, 3);
+  if (part.rows() == 0) return part;
+  for_each_part(model, island, nodes_of, [&](const Rows& there, const Rows& here) {
+    part.middleRows(here.first, here.count) = points.middleRows(there.first, there.count);
+  });
+  return part;
+}
+
 State part_of(const Model& model, const State& state, const Island& island) {
   State part = rest_state(island.model);
   part.time = state.time;

@@ -28,6 +28,9 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
 std::unique_ptr<Island> make_island(const Model& model, const ContactGeometry& geometry,
                                     const std::vector<int>& bodies);
 
+/// What belongs to the island's nodes of points of all nodes; of none: none.
+Points part_of(const Model& model, const Points& points, const Island& island);
+
 /// The part of a state that belongs to the island, and its way back.
 State part_of(const Model& model, const State& state, const Island& island);
 void put_back(const Model& model, const Island& island, const State& part, State& state);

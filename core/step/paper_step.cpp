@@ -49,6 +49,7 @@ VectorXd unconstrained_velocity(const StepProblem& problem, VectorXd elastic_imp
   for (Eigen::Index node = 0; node < model.num_nodes(); ++node)
     b.segment<3>(3 * node) +=
         model.node_mass[node] * (problem.velocities_t0.row(node).transpose() + problem.h * problem.options->gravity);
+  if (const Points& forces = problem.options->forces; forces.rows() > 0) b += problem.h * flatten(forces);
   clear_fixed(model, b);
   cholesky.solve(b);
   return b;

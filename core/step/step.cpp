@@ -176,8 +176,10 @@ StepReport advance_island(const Model& model, const StepOptions& options, Worksp
       std::swap(data.bodies[island.bodies[i]], island.workspace.bodies[i]);
   };
   State part = part_of(model, start, island);
+  StepOptions part_options = options;
+  part_options.forces = part_of(model, options.forces, island);
   swap_matrices();
-  const StepReport report = advance_whole(island.model, options, island.workspace, part);
+  const StepReport report = advance_whole(island.model, part_options, island.workspace, part);
   swap_matrices();
   put_back(model, island, part, end);
   return report;
@@ -255,6 +257,7 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state) {
   require_measurable(model, options.solver.energy);
   require_solvable(plan_linear_solvers(model, options.solver), options.solver);
+  require_forces(model, options.forces);
   State next = state;
   StepReport report = advance_pinned(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;

@@ -50,7 +50,7 @@ class Workspace {
 
 /// Advances state by one time step. Deterministic for any number of threads. Throws Error (bad_data) where
 /// solver.energy names an energy that the model's limits cannot measure (require_measurable()), or solver.linear a
-/// solver that does not suit the model (require_solvable()).
+/// solver that does not suit the model (require_solvable()), or forces are not one finite vector for each node.
 StepReport step(const Model& model, const StepOptions& options, Workspace& workspace, State& state);
 
 /// The measured quantities of a state, without stepping.

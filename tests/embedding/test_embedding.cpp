@@ -49,6 +49,26 @@ TEST_CASE("deform agrees with the trilinear weights for any nodes") {
   CHECK((out.positions - deform_points(points_of(embedding), lattice.hexes, nodes)).cwiseAbs().maxCoeff() < 1e-13);
 }
 
+TEST_CASE("forces on a surface do the same work on its cage's nodes, with the same sum and torque") {
+  const TriangleMesh mesh = blob(4);
+  const Lattice lattice = voxelize(mesh, {.size = 150});
+  const EmbeddedPoints points = points_of(embed(mesh, lattice));
+  auto random_like = [random = std::mt19937(6)](Eigen::Index rows) mutable {
+    Points all(rows, 3);
+    for (double& x : all.reshaped()) x = double(random()) / double(random.max()) - 0.5;
+    return all;
+  };
+  const Points forces = random_like(mesh.num_vertices()), motion = random_like(lattice.num_nodes());
+  const Points nodal = nodal_forces(points, lattice.hexes, lattice.num_nodes(), forces);
+  const double work = forces.cwiseProduct(deform_points(points, lattice.hexes, motion)).sum();
+  CHECK(nodal.cwiseProduct(motion).sum() == Approx(work).epsilon(1e-12));
+  CHECK((nodal.colwise().sum() - forces.colwise().sum()).norm() < 1e-11);
+  Eigen::RowVector3d torque = Eigen::RowVector3d::Zero(), of_nodes = torque;
+  for (Eigen::Index p = 0; p < forces.rows(); ++p) torque += mesh.positions.row(p).cross(forces.row(p));
+  for (Eigen::Index n = 0; n < nodal.rows(); ++n) of_nodes += lattice.rest_positions.row(n).cross(nodal.row(n));
+  CHECK((torque - of_nodes).norm() < 1e-10);
+}
+
 TEST_CASE("normals of a sphere stretched to an ellipsoid are the ellipsoid's, of second order in the edge") {
   double errors[2] = {0, 0};
   for (int level : {0, 1}) {

@@ -158,8 +158,9 @@ void add_obstacle(ByteWriter& out, const Obstacle& obstacle) {
 }
 
 void add_options(ByteWriter& out, const StepOptions& options) {
-  const auto& [time_step, gravity, solver, pulls, on_iteration] = options;
+  const auto& [time_step, gravity, solver, pulls, forces, on_iteration] = options;
   static_cast<void>(pulls);         // of one step
+  static_cast<void>(forces);        // likewise
   static_cast<void>(on_iteration);  // watches, changes nothing
   out.put(time_step);
   out.put_matrix(gravity);
