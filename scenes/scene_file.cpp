@@ -78,16 +78,18 @@ Scene parse_scene(const SceneText& source, const std::vector<Override>& override
 }
 
 Scene load_scene(const std::string& scene, const std::vector<Override>& overrides) {
+  return parse_scene(find_scene(scene), overrides);
+}
+
+SceneText find_scene(const std::string& scene) {
   if (const auto builtin = find_builtin_scene(scene))
-    return parse_scene({.text = std::string(builtin->text), .file = "built-in " + scene + ".toml", .name = scene},
-                       overrides);
+    return {.text = std::string(builtin->text), .file = "built-in " + scene + ".toml", .name = scene};
   if (names_a_file(scene)) {
     const fs::path path = scene;
-    return parse_scene({.text = read_scene_text(path),
-                        .file = scene,
-                        .folder = fs::absolute(path).parent_path(),
-                        .name = path.stem().string()},
-                       overrides);
+    return {.text = read_scene_text(path),
+            .file = scene,
+            .folder = fs::absolute(path).parent_path(),
+            .name = path.stem().string()};
   }
   std::vector<std::string> names;
   for (const BuiltinScene& builtin : builtin_scenes()) names.push_back(builtin.name);

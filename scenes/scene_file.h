@@ -30,4 +30,7 @@ struct SceneText {
 };
 Scene parse_scene(const SceneText& source, const std::vector<Override>& overrides = {});
 
+/// The text that load_scene() parses. Throws Error (not_found, bad_data).
+SceneText find_scene(const std::string& scene);
+
 }  // namespace umax

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/base/error.h"
 #include "scenes/builtin_scenes.h"
 
 namespace umax {
@@ -22,15 +21,6 @@ InputKind kind_of_input(const std::string& input) {
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   if (ending.empty() || ending == ".toml") return InputKind::scene;
   return InputKind::mesh;
-}
-
-Scene scene_of_run(const fs::path& folder, const std::vector<Override>& overrides) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error) || !fs::exists(folder / "scene.toml", error))
-    throw Error(Fault::not_found, {.where = folder.string(),
-                                   .what = "is not the folder of a run",
-                                   .remedy = "give a folder that umax run or simulate made"});
-  return load_scene((folder / "scene.toml").string(), overrides);
 }
 
 }  // namespace umax

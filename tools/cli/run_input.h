@@ -7,6 +7,7 @@
 
 #include "scenes/scene_file.h"
 #include "tools/cli/options.h"
+#include "tools/run/run_scene.h"
 
 namespace umax {
 
@@ -17,8 +18,5 @@ std::vector<std::string> scene_names();
 
 /// A folder is a run, a name that ends as meshes do is a mesh, everything else a scene.
 InputKind kind_of_input(const std::string& input);
-
-/// The scene that a run's folder was made with. Throws Error (not_found) when the folder is no run's.
-Scene scene_of_run(const std::filesystem::path& folder, const std::vector<Override>& overrides);
 
 }  // namespace umax

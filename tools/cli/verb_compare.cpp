@@ -8,8 +8,6 @@
 
 #include "core/base/error.h"
 #include "render/image/flip.h"
-#include "render/image/image_io.h"
-#include "render/image/tone_map.h"
 #include "tools/cli/options.h"
 #include "tools/cli/picture_set.h"
 #include "tools/cli/verb.h"
@@ -23,11 +21,6 @@ namespace {
 
 constexpr double default_max_flip = 0.02;
 constexpr int past_threshold = 1;
-
-Image8 read_for_eyes(const fs::path& path) {
-  if (path.extension() == ".png" || path.extension() == ".PNG") return read_png8(path);
-  return tone_map(read_image(path), {.curve = ToneCurve::standard});
-}
 
 /// Two pictures and how they differ.
 Comparison compare_pictures(const fs::path& a, const fs::path& b) {

@@ -5,6 +5,7 @@
 #include "core/files/write_file.h"
 #include "render/image/colormap.h"
 #include "render/image/image_io.h"
+#include "render/image/tone_map.h"
 #include "tools/pages/html.h"
 
 namespace umax {
@@ -37,6 +38,11 @@ pre { background: #0c0d10; padding: .8em; overflow-x: auto; user-select: all; }
 )";
 
 }  // namespace
+
+Image8 read_for_eyes(const std::filesystem::path& path) {
+  if (path.extension() == ".png" || path.extension() == ".PNG") return read_png8(path);
+  return tone_map(read_image(path), {.curve = ToneCurve::standard});
+}
 
 void write_compare_report(const std::filesystem::path& path, const Comparison& comparison) {
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +

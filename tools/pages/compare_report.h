@@ -18,6 +18,9 @@ struct Comparison {
   std::string update_command;  // copied into a shell, it makes the result the new reference; empty: none
 };
 
+/// A picture file as it is looked at. Throws Error (not_found, bad_data).
+Image8 read_for_eyes(const std::filesystem::path& path);
+
 /// Writes one HTML file that needs no other: pictures are inside as PNG. Throws Error 73, 74.
 void write_compare_report(const std::filesystem::path& path, const Comparison& comparison);
 

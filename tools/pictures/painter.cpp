@@ -47,6 +47,14 @@ Image shown_image(Image color, const RenderDescription& render) {
   return shown;
 }
 
+/// The picture's colour is used up.
+DrawnPicture drawn_picture(TracedPicture& picture, const RenderDescription& render, const RenderScene& shot) {
+  DrawnPicture drawn;
+  drawn.linear = shown_image(std::move(picture.layers.front().image), render);
+  drawn.shown = present(drawn.linear, shot);
+  return drawn;
+}
+
 }  // namespace
 
 Painter::Painter(const RenderDescription& render, int threads) : render_(render), engine_(std::make_unique<Engine>()) {
@@ -57,6 +65,27 @@ Painter::Painter(const RenderDescription& render, int threads) : render_(render)
 Painter::~Painter() = default;
 
 bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
+  return make(shot, [&](TracedPicture& picture, const RenderScene& drawn) { write(picture, drawn, png); });
+}
+
+bool Painter::paint(const PictureList& list, int frame, const std::filesystem::path& png) {
+  return make(list, frame, [&](TracedPicture& picture, const RenderScene& drawn) { write(picture, drawn, png); });
+}
+
+std::optional<DrawnPicture> Painter::draw(const RenderScene& shot) {
+  std::optional<DrawnPicture> drawn;
+  make(shot, [&](TracedPicture& picture, const RenderScene& of) { drawn = drawn_picture(picture, render_, of); });
+  return drawn;
+}
+
+std::optional<DrawnPicture> Painter::draw(const PictureList& list, int frame) {
+  std::optional<DrawnPicture> drawn;
+  make(list, frame,
+       [&](TracedPicture& picture, const RenderScene& of) { drawn = drawn_picture(picture, render_, of); });
+  return drawn;
+}
+
+bool Painter::make(const RenderScene& shot, const Use& use) {
   TracedPicture picture;
   if (render_.engine == RenderEngine::embree) {
     TracedShot traced = trace_shot(shot, render_, {});
@@ -65,12 +94,14 @@ bool Painter::paint(const RenderScene& shot, const std::filesystem::path& png) {
   } else {
     picture.layers.push_back({"", engine_->rasterizer->draw(shot, raster_options(render_, engine_->threads))});
   }
-  return write(picture, shot, png);
+  if (picture.layers.empty()) return false;
+  use(picture, shot);
+  return true;
 }
 
-bool Painter::paint(const PictureList& list, int frame, const std::filesystem::path& png) {
+bool Painter::make(const PictureList& list, int frame, const Use& use) {
   const FrameWindow window = list.window(frame);
-  if (window.first == window.last) return paint(list.shot(frame), png);
+  if (window.first == window.last) return make(list.shot(frame), use);
   std::map<int, TracedShot>& traced = engine_->traced;
   traced.erase(traced.begin(), traced.lower_bound(window.first));
   traced.erase(traced.upper_bound(window.last), traced.end());
@@ -86,23 +117,22 @@ bool Painter::paint(const PictureList& list, int frame, const std::filesystem::p
   }
   TracedShot& centre = traced.at(frame);
   TracedPicture picture = finish_picture(centre, render_, frames, std::size_t(frame - window.first));
-  const bool written = write(picture, centre.shot, png);
+  const bool is_whole = !picture.layers.empty();
+  if (is_whole) use(picture, centre.shot);
   // its neighbours to come need no more of it
   centre.image = {};
   centre.shot = {};
   centre.data.reset();
   centre.frame->places = {};
-  return written;
+  return is_whole;
 }
 
-bool Painter::write(TracedPicture& picture, const RenderScene& shot, const std::filesystem::path& png) const {
-  if (picture.layers.empty()) return false;
+void Painter::write(TracedPicture& picture, const RenderScene& shot, const std::filesystem::path& png) const {
   if (render_.writes_exr()) {
     std::filesystem::path exr = png;
     write_exr(exr.replace_extension(".exr"), picture.layers, picture.header);
   }
-  write_png(png, present(shown_image(std::move(picture.layers.front().image), render_), shot));
-  return true;
+  write_png(png, drawn_picture(picture, render_, shot).shown);
 }
 
 }  // namespace umax

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -130,25 +129,18 @@ std::vector<StepRow> steps_to_frame(Stepping& stepping, bool strict, int frame, 
   return rows;
 }
 
-/// Leads the state from rest to the first frame by steps that are not shown (clip.preroll). False: a signal has come.
-bool preroll(Stepping& stepping, Progress& progress, State& state) {
-  const Simulation& simulation = *stepping.simulation;
-  const StepOptions& options = stepping.options;
-  const auto count = (long long)(std::ceil(simulation.scene.clip.preroll / options.time_step - 1e-9));
-  if (count == 0) return true;
-  state.time = -double(count) * options.time_step;
-  long long missed = 0;
+/// Leads the state from rest to the first frame. False: a signal has come.
+bool to_first_frame(Stepping& stepping, Progress& progress, State& state) {
+  const auto stop_if_asked = [] {
+    if (stop_signal() != 0) throw Interrupted{};
+  };
   try {
-    for (long long i = 0; i < count; ++i) {
-      if (stop_signal() != 0) return false;
-      missed += advance(stepping, {}, state).status != StepStatus::converged;
-    }
+    const Preroll done = preroll(stepping, stop_if_asked, state);
+    if (done.not_converged > 0)
+      progress.warning(fmt::format("{} of {} steps of clip.preroll did not converge", done.not_converged, done.steps));
   } catch (const Interrupted&) {
     return false;
   }
-  state.time = 0;
-  state.step = 0;
-  if (missed > 0) progress.warning(fmt::format("{} of {} steps of clip.preroll did not converge", missed, count));
   return true;
 }
 
@@ -179,7 +171,7 @@ SimulateResult simulate(const Simulation& simulation, const RunFolder& folder, c
   Stepping stepping = watched_stepping(simulation, options.verbose, progress);
   if (start.frame == 0) {
     state = rest_state(simulation.model);
-    if (!preroll(stepping, progress, state)) {
+    if (!to_first_frame(stepping, progress, state)) {
       result.signal = stop_signal();
       return result;
     }

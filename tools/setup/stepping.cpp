@@ -1,5 +1,7 @@
 #include "tools/setup/stepping.h"
 
+#include <cmath>
+
 namespace umax {
 
 Stepping begin_stepping(const Simulation& simulation) {
@@ -33,6 +35,20 @@ StepReport advance(Stepping& stepping, const std::vector<Pull>& pulls, State& st
   if (!pulls.empty() && stepping.options.solver.linear == LinearSolver::automatic)
     stepping.options.solver.linear = LinearSolver::direct;  // the others know no springs
   return step(stepping.model(), stepping.options, *stepping.workspace, state);
+}
+
+Preroll preroll(Stepping& stepping, const std::function<void()>& before_step, State& state) {
+  const double time_step = stepping.options.time_step;
+  Preroll done{.steps = (long long)(std::ceil(stepping.simulation->scene.clip.preroll / time_step - 1e-9))};
+  if (done.steps == 0) return done;
+  state.time = -double(done.steps) * time_step;
+  for (long long i = 0; i < done.steps; ++i) {
+    before_step();
+    done.not_converged += advance(stepping, {}, state).status != StepStatus::converged;
+  }
+  state.time = 0;
+  state.step = 0;
+  return done;
 }
 
 const std::vector<Pull>& recorded_pulls(const Simulation& simulation, const State& state) {

@@ -1,6 +1,7 @@
 // One step of a simulation after the other, with what its scene changes from step to step: keys, gravity, pulls.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -30,6 +31,13 @@ void forget_model(Stepping& stepping);
 
 /// Advances the state by a time step that has these pulls. The bits are decided by the scene, the state and the pulls.
 StepReport advance(Stepping& stepping, const std::vector<Pull>& pulls, State& state);
+
+/// The steps from rest to the first frame that are not shown (clip.preroll), and how many of them did not converge.
+struct Preroll {
+  long long steps = 0, not_converged = 0;
+};
+/// Leads a state at rest to the first frame. before_step: called before each step; what it throws ends the work.
+Preroll preroll(Stepping& stepping, const std::function<void()>& before_step, State& state);
 
 /// The pulls that the simulation's scene has recorded for the step that begins at the state.
 const std::vector<Pull>& recorded_pulls(const Simulation& simulation, const State& state);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tools/system/seconds_since.h"
 
@@ -83,6 +84,8 @@ Progress::Progress(std::FILE* stream, ProgressMode mode, bool quiet) : stream_(s
     style_ = Style::bar;
 }
 
+Progress::Progress(ProgressListener listener) : listener_(std::move(listener)), style_(Style::listener) {}
+
 Progress::~Progress() {
   clear_bar();
 }
@@ -109,6 +112,10 @@ void Progress::frame_done(int frame, const std::string& detail) {
   line_.elapsed = seconds_since(start_);
   line_.rate = line_.elapsed > 0 ? (line_.done - done_before_) / line_.elapsed : 0;
   if (style_ == Style::none) return;
+  if (style_ == Style::listener) {
+    if (listener_.frame_done) listener_.frame_done(line_);
+    return;
+  }
   if (style_ == Style::bar) {
     // more than 20 bars a second only burn time
     if (line_.done < line_.total && seconds_since(last_shown_) < 0.05) return;
@@ -131,6 +138,7 @@ void Progress::within_frame(const std::string& detail) {
 }
 
 void Progress::end() {
+  if (style_ == Style::listener) return;
   if (bar_shown_) std::fputs("\n", stream_);
   bar_shown_ = false;
   if (style_ == Style::json)
@@ -157,6 +165,10 @@ void Progress::clear_bar() {
 
 void Progress::note(const std::string& text) {
   if (style_ == Style::none) return;
+  if (style_ == Style::listener) {
+    if (listener_.note) listener_.note(text);
+    return;
+  }
   clear_bar();
   if (style_ == Style::json)
     fmt::print(stream_,
@@ -169,6 +181,10 @@ void Progress::note(const std::string& text) {
 }
 
 void Progress::warning(const std::string& text) {
+  if (style_ == Style::listener) {
+    if (listener_.warning) listener_.warning(text);
+    return;
+  }
   clear_bar();
   fmt::print(stderr, "umax: warning: {}\n", text);
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <string>
 
 namespace umax {
@@ -28,10 +29,17 @@ std::string format_bar(const ProgressLine& line, int width);
 std::string format_plain(const ProgressLine& line);
 std::string format_json(const ProgressLine& line);
 
-/// Writes progress to one stream. Notes and warnings that come in between do not tear the bar.
+/// Who is told in place of a stream. Each may throw, which ends the work.
+struct ProgressListener {
+  std::function<void(const ProgressLine&)> frame_done{};
+  std::function<void(const std::string&)> note{}, warning{};
+};
+
+/// Writes progress to one stream, or tells a listener. Notes and warnings that come in between do not tear the bar.
 class Progress {
  public:
   Progress(std::FILE* stream, ProgressMode mode, bool quiet);
+  explicit Progress(ProgressListener listener);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -51,11 +59,12 @@ class Progress {
   void warning(const std::string& text);
 
  private:
-  enum class Style { none, bar, plain, json };
+  enum class Style { none, bar, plain, json, listener };
   void show_bar();
   void clear_bar();
 
-  std::FILE* stream_;
+  std::FILE* stream_ = nullptr;
+  ProgressListener listener_;
   Style style_;
   bool bar_shown_ = false;
   ProgressLine line_;

@@ -16,6 +16,7 @@ constexpr std::array<int, 3> watched{SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t noted = 0;
 std::atomic<bool> stop = false;
 int num_watches = 0;
+std::array<struct sigaction, watched.size()> found{};  // handlers before the first watch
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not lock");
 
 void note_signal(int number) {
@@ -31,19 +32,20 @@ SignalWatch::SignalWatch() {
   action.sa_handler = note_signal;
   action.sa_flags = int(SA_RESETHAND) | SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (const int number : watched) {
-    struct sigaction before{};
-    sigaction(number, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);  // nohup stays nohup
+  for (std::size_t i = 0; i < watched.size(); ++i) {
+    sigaction(watched[i], nullptr, &found[i]);
+    if (found[i].sa_handler != SIG_IGN) sigaction(watched[i], &action, nullptr);  // nohup stays nohup
   }
 }
 
 SignalWatch::~SignalWatch() {
   if (--num_watches > 0) return;
-  for (const int number : watched) {
+  for (std::size_t i = 0; i < watched.size(); ++i) {
     struct sigaction now{};
-    sigaction(number, nullptr, &now);
-    if (now.sa_handler == note_signal) std::signal(number, SIG_DFL);
+    sigaction(watched[i], nullptr, &now);
+    const bool is_ours =
+        now.sa_handler == note_signal || now.sa_handler == SIG_DFL;  // the latter once a signal has come
+    if (is_ours) sigaction(watched[i], &found[i], nullptr);
   }
 }
 
@@ -76,6 +78,11 @@ int exit_code_after(int signal) {
 std::string stop_note(int signal) {
   const std::string cause = signal == SIGALRM ? "the deadline" : fmt::format("signal {}", signal);
   return fmt::format("stopped by {}; what is finished is kept, --resume goes on", cause);
+}
+
+void forget_stop() {
+  noted = 0;
+  stop = false;
 }
 
 }  // namespace umax

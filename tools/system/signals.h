@@ -6,7 +6,8 @@
 
 namespace umax {
 
-/// While one lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once.
+/// While one lives, the first SIGINT, SIGTERM or SIGHUP is only noted; a second one ends the program at once. Handlers are
+/// afterwards what they were before.
 class SignalWatch {
  public:
   SignalWatch();
@@ -29,5 +30,8 @@ int exit_code_after(int signal);
 
 /// "stopped by signal 15; what is finished is kept, --resume goes on"
 std::string stop_note(int signal);
+
+/// For a program that goes on after a job that a signal has stopped: no signal asks us to stop any more.
+void forget_stop();
 
 }  // namespace umax

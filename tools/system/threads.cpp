@@ -6,18 +6,43 @@
 
 #include <cfenv>
 #include <cstdlib>
+#include <mutex>
 #include <string>
 
 namespace umax {
 namespace {
 
-/// Whatever BLAS is installed: the functions of OpenBLAS, of the reference and of ATLAS (which has none) are looked up.
-void use_one_blas_thread() {
-  using SetThreads = void (*)(int);
-  if (void* function = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(function)(1);
+/// Whatever BLAS is installed: functions of OpenBLAS, which the reference and ATLAS do not have, are looked up.
+struct BlasThreads {
+  using Set = void (*)(int);
+  using Get = int (*)();
+  Set set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  Get get = reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  std::mutex mutex;
+  int num_users = 0;  // that want one thread
+  int found = 1;      // threads before the first of them
+};
+
+BlasThreads& blas_threads() {
+  static BlasThreads threads;
+  return threads;
 }
 
 }  // namespace
+
+OneBlasThread::OneBlasThread() {
+  BlasThreads& blas = blas_threads();
+  const std::lock_guard<std::mutex> lock(blas.mutex);
+  if (blas.num_users++ > 0 || !blas.set) return;
+  if (blas.get) blas.found = blas.get();
+  if (blas.found != 1 || !blas.get) blas.set(1);
+}
+
+OneBlasThread::~OneBlasThread() {
+  BlasThreads& blas = blas_threads();
+  const std::lock_guard<std::mutex> lock(blas.mutex);
+  if (--blas.num_users == 0 && blas.set && blas.found != 1) blas.set(blas.found);
+}
 
 struct ThreadLimit::Control {
   explicit Control(int threads) : limit(oneapi::tbb::global_control::max_allowed_parallelism, std::size_t(threads)) {}
@@ -29,13 +54,21 @@ ThreadLimit::ThreadLimit(std::optional<int> threads)
   control_ = std::make_unique<Control>(count_);
   // the rasteriser's driver has its own threads; 0 would mean none beside the caller
   if (threads) ::setenv("LP_NUM_THREADS", std::to_string(count_).c_str(), 1);
-  use_one_blas_thread();
 }
 
 ThreadLimit::~ThreadLimit() = default;
 
 void use_standard_floating_point() {
   std::fesetenv(FE_DFL_ENV);
+}
+
+StandardFloatingPoint::StandardFloatingPoint() {
+  std::fegetenv(&found_);
+  use_standard_floating_point();
+}
+
+StandardFloatingPoint::~StandardFloatingPoint() {
+  std::fesetenv(&found_);
 }
 
 }  // namespace umax
