@@ -3,9 +3,13 @@
 add_library(umax_options INTERFACE)
 target_compile_features(umax_options INTERFACE cxx_std_20)
 target_compile_options(umax_options INTERFACE -ffp-contract=off -fno-math-errno)
-target_include_directories(umax_options INTERFACE ${PROJECT_SOURCE_DIR})
+# The rooms' libraries end in a program or in the Python module: code that runs at any address, and of which nothing is seen
+# from outside, so that calls within cost no more than in a program.
+target_compile_options(umax_options INTERFACE $<BUILD_INTERFACE:-fPIC> $<BUILD_INTERFACE:-fvisibility=hidden>)
+target_include_directories(umax_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  $<INSTALL_INTERFACE:include/umax>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # collecting the compiler's garbage costs a tenth of its time
-  target_compile_options(umax_options INTERFACE "SHELL:--param ggc-min-heapsize=400000")
+  target_compile_options(umax_options INTERFACE "$<BUILD_INTERFACE:SHELL:--param ggc-min-heapsize=400000>")
 endif()
 if(UMAX_ARCH)
   target_compile_options(umax_options INTERFACE -march=${UMAX_ARCH})
@@ -45,7 +49,7 @@ endif()
 # umax_file_options(<options> FILES <files>): options of single files, which GCC would forget with precompiled headers
 function(umax_file_options options)
   cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
-  set_source_files_properties(${arg_FILES} PROPERTIES COMPILE_OPTIONS ${options} SKIP_PRECOMPILE_HEADERS ON)
+  set_source_files_properties(${arg_FILES} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # umax_kernel_options(<target> <kernel> <files>): one source of kernels, <kernel>_<instruction set>.cpp, compiled for every
@@ -69,8 +73,10 @@ function(umax_room name)
   cmake_parse_arguments(arg "FOURS" "" "SOURCES;ROOMS;PACKAGES" ${ARGN})
   add_library(umax_${name} STATIC ${arg_SOURCES})
   add_library(umax::${name} ALIAS umax_${name})
+  set_target_properties(umax_${name} PROPERTIES EXPORT_NAME ${name})
   list(TRANSFORM arg_ROOMS PREPEND umax::)
-  target_link_libraries(umax_${name} PUBLIC umax_options Eigen3::Eigen ${arg_ROOMS} PRIVATE umax_warnings ${arg_PACKAGES})
+  target_link_libraries(umax_${name} PUBLIC umax_options Eigen3::Eigen ${arg_ROOMS}
+    PRIVATE $<BUILD_INTERFACE:umax_warnings> ${arg_PACKAGES})
   if(name STREQUAL "base")
     target_precompile_headers(umax_base PRIVATE ${umax_common_headers})
   else()
@@ -89,6 +95,7 @@ function(umax_group name)
   list(TRANSFORM arg_ROOMS PREPEND umax::)
   add_library(umax_${name} INTERFACE)
   add_library(umax::${name} ALIAS umax_${name})
+  set_target_properties(umax_${name} PROPERTIES EXPORT_NAME ${name})
   target_link_libraries(umax_${name} INTERFACE ${arg_ROOMS})
 endfunction()
 

@@ -80,7 +80,8 @@ std::vector<fs::path> import_helper_places() {
   if (::dladdr(reinterpret_cast<void*>(&import_helper_places), &info) != 0 && info.dli_fname)
     holders.emplace_back(info.dli_fname);
   for (const fs::path& holder : holders)
-    for (const char* place : {"umax-import", "../libexec/umax/umax-import"}) {
+    // (a Python module is four folders below what it was installed in)
+    for (const char* place : {"umax-import", "../libexec/umax/umax-import", "../../../../libexec/umax/umax-import"}) {
       if (!holder.is_absolute()) continue;  // as it was called: says nothing of where it is
       const fs::path path = (holder.parent_path() / place).lexically_normal();
       if (std::find(places.begin(), places.end(), path) == places.end()) places.push_back(path);

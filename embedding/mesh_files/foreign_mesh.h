@@ -20,7 +20,7 @@ ImportLimits import_limits(const std::filesystem::path& path);
 MeshFile read_foreign(const std::filesystem::path& path, const std::string& ending, const ImportLimits& limits);
 
 /// Where the helper is looked for, in order: what the environment's UMAX_IMPORT names; then beside the program, or
-/// beside the shared library that holds this code, and in ../libexec/umax of either.
+/// beside the shared library that holds this code, and in ../libexec/umax and ../../../../libexec/umax of either.
 std::vector<std::filesystem::path> import_helper_places();
 
 }  // namespace umax
