@@ -1,4 +1,8 @@
-# The third-party packages, each found once. Debian 12 and 13 name some of them differently: that is settled here.
+# The third-party packages, each found once: for the build, and for those who find_package(umax). Debian 12 and 13 name some
+# of them differently: that is settled here.
+if(TARGET umax_embree)
+  return()
+endif()
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
 find_package(Threads REQUIRED)
@@ -24,7 +28,7 @@ find_package(embree 4 QUIET)
 if(NOT embree_FOUND)
   find_package(embree 3 REQUIRED)
 endif()
-add_library(umax_embree INTERFACE)
+add_library(umax_embree INTERFACE IMPORTED)
 target_link_libraries(umax_embree INTERFACE embree)
 target_compile_definitions(umax_embree INTERFACE UMAX_EMBREE_VERSION=${EMBREE_VERSION_MAJOR})
 
@@ -37,7 +41,7 @@ find_path(BEAST_INCLUDE_DIR boost/beast/websocket.hpp REQUIRED)
 # Draco: by its name, as the configs of its versions call their targets differently
 find_library(DRACO_LIBRARY draco REQUIRED)
 find_path(DRACO_INCLUDE_DIR draco/compression/decode.h REQUIRED)
-add_library(umax_draco INTERFACE)
+add_library(umax_draco INTERFACE IMPORTED)
 target_include_directories(umax_draco SYSTEM INTERFACE ${DRACO_INCLUDE_DIR})
 target_link_libraries(umax_draco INTERFACE ${DRACO_LIBRARY})
 
@@ -46,16 +50,13 @@ target_link_libraries(umax_draco INTERFACE ${DRACO_LIBRARY})
 find_library(OPENBLAS_LIBRARY openblas REQUIRED)
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
-add_library(umax_cholmod INTERFACE)
+add_library(umax_cholmod INTERFACE IMPORTED)
 target_include_directories(umax_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
 target_link_libraries(umax_cholmod INTERFACE ${OPENBLAS_LIBRARY} ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
 
 # Ceres: the shared library. The static one brings Eigen's functions as its own compiler flags made them, and where the
 # linker takes those for ours, memory is freed in another way than it was taken.
 find_library(CERES_LIBRARY NAMES libceres.so REQUIRED)
-add_library(umax_ceres INTERFACE)
+add_library(umax_ceres INTERFACE IMPORTED)
 target_include_directories(umax_ceres SYSTEM INTERFACE $<TARGET_PROPERTY:Ceres::ceres,INTERFACE_INCLUDE_DIRECTORIES>)
 target_link_libraries(umax_ceres INTERFACE ${CERES_LIBRARY} glog::glog)
-
-# who only wants the program needs no test framework
-find_package(Catch2 QUIET)

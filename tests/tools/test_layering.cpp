@@ -68,6 +68,7 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
     {"tools/aim", {"tools/trials", "tools/pages"}},
     {"tools/reproduce", {"tools/run", "tools/pages"}},
     {"tools/cli", {"tools/live", "tools/tune", "tools/aim", "tools/reproduce", "tools/fit"}},
+    {"tools/python", {"tools/run", "tools/fit", "tools/pages"}},
     {"tools/benchmarks", {"tools/live", "tools/run", "tools/reproduce", "embedding/foreign_files"}}};
 
 /// Rooms that stand below and yet are not entered from a room: the program speaks to the solver by model, step options
@@ -83,7 +84,8 @@ const std::vector<std::pair<std::string, std::string>> shut_doors{
     {"tools/live", "core/contact"},     {"tools/live", "core/element"},      {"tools/live", "core/linear"},
     {"tools/trials", "core/contact"},   {"tools/trials", "core/linear"},     {"tools/trials", "core/element"},
     {"tools/aim", "core/contact"},      {"tools/aim", "core/linear"},        {"tools/aim", "core/element"},
-    {"tools/cli", "core/contact"},      {"tools/cli", "core/linear"}};
+    {"tools/cli", "core/contact"},      {"tools/cli", "core/linear"},        {"tools/python", "core/contact"},
+    {"tools/python", "core/linear"},    {"tools/python", "core/element"}};
 
 /// What tests and benchmarks share, outside of the house: of its rooms only benchmarks may include it.
 const std::string shared_with_tests = "tests/support";
@@ -166,7 +168,8 @@ std::string library_of(const std::string& target) {
       {"openssl/", "OpenSSL"},  {"CLI/", "CLI11"},
       {"nlohmann/", "json"},    {"pugixml.hpp", "pugixml"},
       {"fmt/", "fmt"},          {"draco/", "Draco"},
-      {"ceres/", "Ceres"},      {"boost/", "Boost"}};
+      {"ceres/", "Ceres"},      {"boost/", "Boost"},
+      {"pybind11/", "pybind11"}};
   for (const auto& [prefix, library] : prefixes)
     if (target.starts_with(prefix)) return library;
   return "unknown (" + target + ")";
@@ -194,6 +197,7 @@ const std::map<std::string, std::set<std::string>> rooms_of_library{
       "tools/reproduce", "tools/run", "tools/trials", "tools/tune"}},
     {"libjpeg", {"render/image"}},
     {"libpng", {"render/image"}},
+    {"pybind11", {"tools/python"}},
     {"pugixml", {"embedding/hex_files"}},
     {"tinyobjloader", {"embedding/mesh_files"}},
     {"toml++", {"scenes"}},

@@ -37,6 +37,7 @@ std::vector<Benchmark> export_benchmarks();       // bench_export.cpp
 std::vector<Benchmark> import_benchmarks();       // bench_import.cpp: meshes read by the helper program
 std::vector<Benchmark> live_benchmarks();         // bench_live.cpp: with a client
 std::vector<Benchmark> picture_benchmarks();      // bench_pictures.cpp
+std::vector<Benchmark> python_benchmarks();       // bench_python.cpp: the Python module
 std::vector<Benchmark> clip_benchmarks();         // bench_clip.cpp: the demo as pictures
 
 /// The file in UMAX_MODELS.

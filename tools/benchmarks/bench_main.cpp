@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   for (const std::vector<Benchmark>& more :
        {refinement_benchmarks(), multigrid_benchmarks(), large_cage_benchmarks(), penetration_benchmarks(),
         heap_benchmarks(), contact_benchmarks(), export_benchmarks(), import_benchmarks(), picture_benchmarks(),
-        clip_benchmarks(), live_benchmarks(), aim_benchmarks(), program_benchmarks()})
+        clip_benchmarks(), live_benchmarks(), aim_benchmarks(), python_benchmarks(), program_benchmarks()})
     all.insert(all.end(), more.begin(), more.end());
 
   keep_freed_memory();
