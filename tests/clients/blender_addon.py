@@ -233,7 +233,7 @@ def check_errors(told):
 
 def check_versions(program, zip_file):
     """the add-on has the program's version"""
-    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()[-1]
+    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()[1]
     with zipfile.ZipFile(zip_file) as packed:
         assert f'\nversion = "{version}"' in packed.read("umax/blender_manifest.toml").decode()
         assert f'"version": ({version.replace(".", ", ")}),' in packed.read("umax/__init__.py").decode()

@@ -1,10 +1,12 @@
 // The program as a script sees it: exit codes, messages, files.
 #include <algorithm>
+#include <string>
 
 #include "scenes/scene_key_table.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
 #include "tests/tools/two_cubes.h"
+#include "tools/system/version.h"
 
 using namespace umax;
 namespace fs = std::filesystem;
@@ -44,6 +46,25 @@ TEST_CASE("help, version and scenes go to standard output and exit with 0") {
     CHECK(!result.output.empty());
     CHECK(result.messages.empty());
   }
+}
+
+TEST_CASE("version, commit, compiler, instruction set and libraries are told by --version, one a line") {
+  const std::string text = umax_program({"--version"}).output;
+  CHECK(text.starts_with("umax " + version_text() + "\n"));
+  for (const char* line : {"\ncommit ", "\nbuilt by ", "\ninstruction set ", "\nlibraries Eigen 3."})
+    CHECK(text.find(line) != std::string::npos);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 5);
+  CHECK(text.find(" ,") == std::string::npos);  // a library without its version
+}
+
+TEST_CASE("the Blender add-on and the changes have the program's version") {
+  const std::filesystem::path root = UMAX_SOURCE_DIR;
+  std::string tuple = "(" + version_text() + ")";
+  for (std::size_t dot; (dot = tuple.find('.')) != std::string::npos;) tuple.replace(dot, 1, ", ");
+  CHECK(file_text(root / "tools/blender/umax/blender_manifest.toml").find("\nversion = \"" + version_text() + "\"\n") !=
+        std::string::npos);
+  CHECK(file_text(root / "tools/blender/umax/__init__.py").find("\"version\": " + tuple) != std::string::npos);
+  CHECK(file_text(root / "CHANGELOG.md").find("\n## " + version_text() + "\n") != std::string::npos);
 }
 
 TEST_CASE("umax help scene tells every key that a scene may have") {

@@ -20,7 +20,7 @@ namespace {
 int run(int argc, char** argv) {
   const umax::Options options = umax::parse_command_line(argc, argv);
   if (options.version) {
-    fmt::print("umax {}\n", umax::version_text());
+    fmt::print("{}", umax::version_report());
     return 0;
   }
   if (options.help) {

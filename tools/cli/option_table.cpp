@@ -275,7 +275,9 @@ Table general_table() {
        .target = &Options::completion,
        .choices = {"bash", "zsh"}},
       {.name = "--help", .short_name = "-h", .description = "this text", .target = &Options::help},
-      {.name = "--version", .description = "the program's version", .target = &Options::version}};
+      {.name = "--version",
+       .description = "the program's version, commit, compiler, instruction set and libraries",
+       .target = &Options::version}};
 }
 
 }  // namespace

@@ -8,4 +8,7 @@ namespace umax {
 /// "0.1.0".
 std::string version_text();
 
+/// Several lines: version, commit, compiler, instruction set, libraries.
+std::string version_report();
+
 }  // namespace umax

@@ -92,4 +92,4 @@ class Run:
 
 
 def version():
-    return answer(["--version"]).strip()
+    return answer(["--version"]).strip().splitlines()[0]

@@ -1,0 +1,18 @@
+# Run by cmake --install: the headers of `headers`, and those that they include in turn, from the folder `source` into
+# include/umax.
+cmake_policy(VERSION 3.25)
+set(found "")
+while(headers)
+  list(POP_FRONT headers header)
+  if(header IN_LIST found)
+    continue()
+  endif()
+  list(APPEND found ${header})
+  file(STRINGS ${source}/${header} includes REGEX "^#include \"[^\"]+\"")
+  list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*$" "\\1")
+  list(APPEND headers ${includes})
+endwhile()
+foreach(header IN LISTS found)
+  get_filename_component(folder ${header} DIRECTORY)
+  file(INSTALL DESTINATION ${CMAKE_INSTALL_PREFIX}/include/umax/${folder} TYPE FILE FILES ${source}/${header})
+endforeach()
