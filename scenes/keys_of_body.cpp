@@ -5,6 +5,7 @@
 #include "scenes/limit_keys.h"
 #include "scenes/map_keys.h"
 #include "scenes/mesh_keys.h"
+#include "scenes/presets.h"
 
 namespace umax {
 namespace {
@@ -183,8 +184,10 @@ template <class Keys>
 void add_preset_key(Keys& keys) {
   keys.add_custom(
       "material.preset", TextKind().type(),
-      "a material by name (umax presets): gives the material and limit keys that are not given here", {.unset = "none"},
-      [](const SceneValue& value, BodyDescription&) { TextKind().read(value); },
+      "a material by name (umax presets): gives the material and limit keys that are not given here, and how light "
+      "gets "
+      "into it",
+      {.unset = "none"}, [](const SceneValue& value, BodyDescription&) { TextKind().read(value); },
       [](const BodyDescription&) { return std::optional<std::string>(); });
 }
 
@@ -192,10 +195,8 @@ void add_preset_key(Keys& keys) {
 void let_preset_reset(SceneSection& section) {
   std::vector<std::string> replaced;
   for (const SceneKey& key : section.keys) {
-    const bool is_material = key.name.starts_with("material.") || key.name.starts_with("limit.");
-    const bool stays =
-        key.name == "material.preset" || key.name == "material.mass" || key.name.find("map") != std::string::npos;
-    if (is_material && !stays) replaced.push_back(key.name);
+    const bool stays = key.name == "material.mass" || key.name.find("map") != std::string::npos;
+    if (is_preset_key(key.name) && !stays) replaced.push_back(key.name);
   }
   for (SceneKey& key : section.keys)
     if (key.name == "material.preset") key.resets = replaced;

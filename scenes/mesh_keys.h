@@ -95,6 +95,15 @@ void add_look_keys(Builder& keys) {
   keys.add("look.metallic", fraction, UMAX_FIELD(look.metallic), "0: plastic-like, 1: metal");
   keys.add("look.clearcoat", fraction, UMAX_FIELD(look.clearcoat), "strength of a coat of varnish");
   keys.add("look.clearcoat_roughness", fraction, UMAX_FIELD(look.clearcoat_roughness), "roughness of the varnish");
+  keys.add("look.transmission", fraction, UMAX_FIELD(look.transmission),
+           "share of the base that is clear, as of glass or gel: light passes, bent by look.ior, blurred by "
+           "look.roughness; closed surfaces only");
+  keys.add("look.transmission_depth", NumberKind{units::length, positive_length}, UMAX_FIELD(look.transmission_depth),
+           "how far light goes in clear matter until it has look.color");
+  keys.add("look.subsurface", fraction, UMAX_FIELD(look.subsurface),
+           "share of the rest in which light wanders, as in wax or skin; closed surfaces only");
+  keys.add("look.subsurface_radius", RadiiKind(), UMAX_FIELD(look.subsurface_radius),
+           "how far red, green and blue light go between two turns, on the average");
 }
 
 }  // namespace umax

@@ -17,10 +17,6 @@ namespace {
 
 constexpr const char* preset_key = "material.preset";
 
-bool is_preset_key(const std::string& name) {
-  return (name.starts_with("material.") || name.starts_with("limit.")) && name != preset_key;
-}
-
 /// Takes the words that describe a preset out of its table; what remains are keys of a body.
 SceneValue::Table take_words(const std::string& name, const SceneValue& table, Preset& preset) {
   const auto* entries = table.as<SceneValue::Table>();
@@ -41,7 +37,8 @@ void check_values(const Preset& preset) {
   section.add(scene, preset.name);
   for (const auto& [name, value] : preset.values) {
     if (!is_preset_key(name))
-      throw value_error(value, "is no key of a material", "a preset has keys of material and limit only");
+      throw value_error(value, "is no key of a material",
+                        "a preset has keys of material, limit, look.transmission and look.subsurface only");
     section.find(name)->read(value, scene, 0);
   }
 }
@@ -101,6 +98,11 @@ std::optional<std::filesystem::path> presets_file(const SceneDocument& document)
 }
 
 }  // namespace
+
+bool is_preset_key(const std::string& name) {
+  const auto begins = [&](const char* part) { return name.starts_with(part) && name != preset_key; };
+  return begins("material.") || begins("limit.") || begins("look.transmission") || begins("look.subsurface");
+}
 
 std::vector<Preset> presets(const std::optional<std::filesystem::path>& file) {
   std::vector<Preset> all;

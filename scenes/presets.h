@@ -32,6 +32,9 @@ const Preset& find_preset(const std::vector<Preset>& presets, const std::string&
 /// do.
 void expand_presets(SceneDocument& document);
 
+/// Whether a preset may give this key of a body: material, limit, and how light gets into it.
+bool is_preset_key(const std::string& name);
+
 /// The preset as lines for a scene's [body.NAME], its source as comments.
 std::string preset_toml(const Preset& preset);
 

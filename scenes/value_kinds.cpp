@@ -270,6 +270,19 @@ std::string ColorKind::type() const {
   return bounded ? "[r, g, b] linear, each 0 … 1, or \"#rrggbb\"" : "[r, g, b] linear, each >= 0, or \"#rrggbb\"";
 }
 
+Eigen::Vector3f RadiiKind::read(const SceneValue& value) const {
+  if (!value.as<SceneValue::Array>())
+    return Eigen::Vector3f::Constant(float(read_number(value, units::length, positive_length)));
+  const SceneValue::Array& array = array_of(value, 3, "give [r, g, b], or one length for all three");
+  Eigen::Vector3f radii;
+  for (int i = 0; i < 3; ++i) radii[i] = float(read_number(array[std::size_t(i)], units::length, positive_length));
+  return radii;
+}
+
+std::string RadiiKind::write(const Value& radii) const {
+  return fmt::format("[{}, {}, {}]", number_text(radii[0]), number_text(radii[1]), number_text(radii[2]));
+}
+
 double LengthUnitKind::read(const SceneValue& value) const {
   if (const auto* text = value.as<std::string>())
     if (const auto metres = parse_length_unit(*text)) return *metres;

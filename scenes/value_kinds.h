@@ -192,6 +192,14 @@ struct ColorKind {
   std::string type() const;
 };
 
+/// Lengths for red, green and blue, or one for all three.
+struct RadiiKind {
+  using Value = Eigen::Vector3f;
+  Value read(const SceneValue& value) const;
+  std::string write(const Value& radii) const;
+  std::string type() const { return "[r, g, b] or one for all [m], each > 0"; }
+};
+
 /// "cm", or the metres of one unit.
 struct LengthUnitKind {
   using Value = double;

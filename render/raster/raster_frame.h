@@ -24,8 +24,9 @@ struct Vertex {
 struct Batch {
   int first_index = 0, num_indices = 0;
   float roughness = 0.5f, reflectance = 0.04f, metallic = 0, coat = 0,
-        coat_roughness = 0.03f;  // reflectance: at normal incidence
-  bool is_ground = false;        // casts no shadow, fades into the background
+        coat_roughness = 0.03f;                        // reflectance: at normal incidence
+  float transmission = 0, subsurface = 0, ior = 1.5f;  // in place of what is matt: is seen through; is soft
+  bool is_ground = false;                              // casts no shadow, fades into the background
   std::shared_ptr<const Image> texture;
 };
 

@@ -17,6 +17,8 @@ namespace {
 constexpr float pi = std::numbers::pi_v<float>;
 
 constexpr float occluder_light = 0.12f;  // what hides the sky sends on this share of it
+constexpr float wandering_light = 0.3f;  // share of light in cloudy matter that comes out anywhere, from any side alike
+constexpr float any_side = 0.25f;        // mean cosine over all directions
 
 struct SurfacePoint {
   Vector3f world{0, 0, 0}, normal{0, 1, 0}, view{0, 0, 1};  // view: towards the eye
@@ -121,6 +123,7 @@ void add_highlight(const KeyLight& light, float seen, const Batch& look, const V
 void add_key_lights(const Frame& frame, const ShadowMaps& maps, const Batch& look, const Vector3f& f0,
                     const SurfacePoint& p, Incoming& sum) {
   const std::size_t map_size = std::size_t(frame.key_map_size) * frame.key_map_size;
+  const float soft = wandering_light * look.subsurface;
   for (const KeyLight& light : frame.key_lights) {
     float seen = 0;
     for (int i = light.first; i < light.first + light.count; ++i) {
@@ -134,28 +137,32 @@ void add_key_lights(const Frame& frame, const ShadowMaps& maps, const Batch& loo
         emitted = -l.dot(sample.axis) / d2;
         offset *= distance;
       }
+      if (emitted <= 0) continue;
+      sum.diffuse += sample.power * (soft * any_side * emitted);
       const float n_l = p.normal.dot(l);
-      if (n_l <= 0 || emitted <= 0) continue;
+      if (n_l <= 0) continue;
       const Vector3f off = p.world + p.normal * (offset * (1 + 2 * (1 - n_l)));  // against self-shadowing
       const float lit = visibility(sample, &maps.key[i * map_size], frame.key_map_size, off);
       seen += lit;
-      sum.diffuse += sample.power * (lit * emitted * n_l);
+      sum.diffuse += sample.power * ((1 - soft) * (lit * emitted * n_l));
     }
     if (seen > 0) add_highlight(light, seen / float(light.count), look, f0, p, sum);
   }
 }
 
 /// Adds the sky's diffuse light; returns how open the surface lies to it [0, 1].
-float add_sky(const Frame& frame, const ShadowMaps& maps, const SurfacePoint& p, Incoming& sum) {
+float add_sky(const Frame& frame, const ShadowMaps& maps, const Batch& look, const SurfacePoint& p, Incoming& sum) {
+  const float soft = wandering_light * look.subsurface;
   const std::size_t map_size = std::size_t(frame.sky_map_size) * frame.sky_map_size;
   float open = 0, whole = 1e-6f;
   for (std::size_t i = 0; i < frame.sky_samples.size(); ++i) {
     const LightSample& sample = frame.sky_samples[i];
     const float n_l = p.normal.dot(sample.position);
+    sum.diffuse += sample.power * (soft * any_side);
     if (n_l <= 0) continue;
     const Vector3f off = p.world + p.normal * (sample.texel * (1.5f + 2 * (1 - n_l)));
     const float lit = visibility(sample, &maps.sky[i * map_size], frame.sky_map_size, off);
-    sum.diffuse += sample.power * (n_l * (lit + occluder_light * (1 - lit)));
+    sum.diffuse += sample.power * ((1 - soft) * (n_l * (lit + occluder_light * (1 - lit))));
     open += n_l * lit;
     whole += n_l;
   }
@@ -181,12 +188,21 @@ Vector3f background(const Frame& frame, const Vector3f& direction) {
   return sky + frame.sun_radiance * (s * s * (3 - 2 * s));
 }
 
+/// Where the eye looks through a clear body, taken for a ball: a ray is bent alike where it enters and where it leaves.
+Vector3f seen_through(const SurfacePoint& p, float ior) {
+  const float sine = std::sqrt(std::max(0.0f, 1 - p.n_v * p.n_v));
+  const float turn = 2 * (std::asin(std::min(sine, 1.0f)) - std::asin(std::min(sine / ior, 1.0f)));
+  const Vector3f across = p.n_v * p.view - p.normal;  // in the plane of both, at right angles to the view
+  const float length = across.norm();
+  return length > 1e-6f ? Vector3f(-std::cos(turn) * p.view + (std::sin(turn) / length) * across) : Vector3f(-p.view);
+}
+
 Vector3f shade_surface(const Frame& frame, const ShadowMaps& maps, const Batch& look, const SurfacePoint& p) {
   const Vector3f f0 =
       Vector3f::Constant(look.reflectance) + look.metallic * (p.base - Vector3f::Constant(look.reflectance));
   Incoming sum;
   add_key_lights(frame, maps, look, f0, p, sum);
-  const float open = add_sky(frame, maps, p, sum);
+  const float open = add_sky(frame, maps, look, p, sum);
 
   const Vector3f reflected = 2 * p.normal.dot(p.view) * p.normal - p.view;
   const Vector2f at = latlong_of(reflected);
@@ -194,8 +210,14 @@ Vector3f shade_surface(const Frame& frame, const ShadowMaps& maps, const Batch& 
   const Vector3f reflectance = f0 * scale + Vector3f::Constant(bias);
   sum.glossy += surroundings(frame, at, look.roughness).cwiseProduct(reflectance) *
                 open_to_reflection(open, p.n_v, look.roughness);
-  const Vector3f diffuse =
+  Vector3f diffuse =
       (1 - look.metallic) / pi * p.base.cwiseProduct(Vector3f::Ones() - reflectance).cwiseProduct(sum.diffuse);
+  if (look.transmission > 0) {
+    const Vector3f beyond = surroundings(frame, latlong_of(seen_through(p, look.ior)), look.roughness);
+    diffuse +=
+        look.transmission *
+        ((1 - look.metallic) * p.base.cwiseProduct(Vector3f::Ones() - reflectance).cwiseProduct(beyond) - diffuse);
+  }
   if (!(look.coat > 0)) return diffuse + sum.glossy;
 
   const auto [coat_scale, coat_bias] = all_around(look.coat_roughness, p.n_v);

@@ -94,6 +94,9 @@ raster::Batch batch_of(const RenderObject& object, bool is_ground) {
   batch.metallic = look.metallic;
   batch.coat = look.clearcoat;
   batch.coat_roughness = look.clearcoat_roughness;
+  batch.transmission = look.transmission;
+  batch.subsurface = (1 - look.transmission) * look.subsurface;
+  batch.ior = look.ior;
   batch.is_ground = is_ground;
   return batch;
 }

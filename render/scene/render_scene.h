@@ -21,7 +21,8 @@ struct Paint {
   std::string name = {};                      // of the material; empty: the object's
 };
 
-/// Diffuse base under a glossy dielectric (or metallic) layer and an optional clear coat.
+/// Diffuse base under a glossy dielectric (or metallic) layer and an optional clear coat. In closed meshes, light may
+/// enter what lies under that layer: clear matter (`transmission`), cloudy matter (`subsurface`).
 struct Look {
   Vector3f base_color{0.6f, 0.6f, 0.6f};  // linear Rec. 709 reflectance
   float roughness = 0.5f;                 // [0, 1] perceptual: alpha = roughness^2
@@ -29,11 +30,17 @@ struct Look {
   float metallic = 0;                     // [0, 1]
   float clearcoat = 0;                    // [0, 1]
   float clearcoat_roughness = 0.03f;
+  float transmission = 0;           // [0, 1] share of the base that light passes through, bent by `ior`
+  float transmission_depth = 0.1f;  // [m] of matter after which that light has the base's colour
+  float subsurface = 0;             // [0, 1] share of the rest of the base in which light wanders
+  Vector3f subsurface_radius{0.01f, 0.005f, 0.003f};  // [m] that it goes between two turns, of red, green and blue
   std::shared_ptr<const Image> texture =
       {};                          // linear RGB, multiplies base_color where the mesh has texture coordinates
   std::vector<Paint> paints = {};  // in place of base_color and texture: of each of the mesh's materials
   std::string material = {};       // its name where there are no paints; empty: the object's
   bool vertex_colors = false;      // the mesh's colors replace base_color (heat maps, painted meshes)
+
+  bool lets_light_in() const { return transmission > 0 || subsurface > 0; }
 };
 
 /// Where a surface is while the shutter is open: at `instants.size()` even times from `first` to `last`, in which 0 is

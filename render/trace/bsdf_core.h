@@ -93,6 +93,14 @@ struct LookNumbers {
   float alpha = 0.25f, f0 = 0.04f, f90 = 1, metallic = 0, coat = 0, coat_alpha = 1e-3f;
 };
 
+// share of light that gets below coat and glossy layer of what is no metal
+inline float share_below(const LookNumbers& look, const LayerAlbedo& e) {
+  const float coat = look.coat * compensation(coat_f0, e.coat_a);
+  const float below_coat = 1 - coat * (coat_f0 * e.coat_a + (1 - coat_f0) * e.coat_b);
+  const float gain = compensation(look.f0, e.a);
+  return below_coat * (1 - look.metallic) * (1 - gain * (look.f0 * e.a + (look.f90 - look.f0) * e.b));
+}
+
 inline Surface make_surface(const LookNumbers& look, const LayerAlbedo& e, const Color& base, const Direction& viewer) {
   Surface s;
   s.viewer = viewer;

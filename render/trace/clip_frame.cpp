@@ -41,6 +41,19 @@ SeenPoint seen_point(const Hit& hit, float slope, const TracedImage& traced, con
   return point;
 }
 
+// Pixels whose paths may have gone through clear matter: what they show moves otherwise than any surface.
+void set_clear_apart(const std::vector<Hit>& hits, const RenderScene& scene, ClipFrame& frame) {
+  constexpr int reach = 2;  // [px] of the pixels' filter
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      const Hit& hit = hits[std::size_t(y) * frame.width + x];
+      if (!hit.found() || !(scene.objects[hit.object].look.transmission > 0)) continue;
+      for (int row = std::max(y - reach, 0); row <= std::min(y + reach, frame.height - 1); ++row)
+        for (int column = std::max(x - reach, 0); column <= std::min(x + reach, frame.width - 1); ++column)
+          frame.points[std::size_t(row) * frame.width + column].distance = std::numeric_limits<float>::quiet_NaN();
+    }
+}
+
 bool is_same(const CameraView& a, const CameraView& b) {
   return a.position == b.position && a.corner == b.corner && a.step_x == b.step_x && a.step_y == b.step_y;
 }
@@ -64,6 +77,7 @@ ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene
   const NoisyLight noisy = noisy_light(traced);
   ClipFrame frame{.width = width,
                   .height = height,
+                  .has_color_noise = traced.has_color_noise(),
                   .projection = Projection(view),
                   .surfaces = {},
                   .points = std::vector<SeenPoint>(hits.size()),
@@ -77,6 +91,7 @@ ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene
         frame.places[i] = {hits[i].triangle, hits[i].u, hits[i].v};
       }
   });
+  set_clear_apart(hits, scene, frame);
   return frame;
 }
 

@@ -15,7 +15,8 @@ struct alignas(64) SeenPoint {
   float first[3], second[3];       // light of the paths' two halves
   float variance = 0;              // of the luminance of their mean, as the paths tell it
   unsigned object = Hit::nothing;  // in the middle of the pixel
-  float distance = 0, slope = 0;   // [m] of that; by how much it changes to the pixels beside
+  float distance = 0, slope = 0;   // [m] of that; by how much it changes to the pixels beside. NaN at and beside clear
+                                   // matter, through which something else is seen in every frame: like no other point
   float albedo[3], normal[3];      // means over the pixel
 };
 
@@ -26,6 +27,7 @@ struct ClipFrame {
     float u = 0, v = 0;
   };
   int width = 0, height = 0;
+  bool has_color_noise = false;                               // as TracedImage has it
   Projection projection;                                      // at the frame's moment, through a pinhole
   std::vector<std::shared_ptr<const TriangleMesh>> surfaces;  // where the scene's objects are then
   std::vector<SeenPoint> points;                              // of each pixel, row by row

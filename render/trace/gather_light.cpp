@@ -229,6 +229,10 @@ class Gatherer {
     }
     const float weight = 0.5f * (weights_[0][i] + weights_[1][i]);
     light.of_paths[to] = squares_[i] / (weight * weight);
+    if (centre_.has_color_noise) {
+      for (int c = 0; c < 3; ++c) light.of_halves[to] += (mean[c] - half[c]) * (mean[c] - half[c]) / 3;
+      return;
+    }
     const float apart = luminance(mean[0], mean[1], mean[2]) - luminance(half[0], half[1], half[2]);
     light.of_halves[to] = apart * apart;
   }

@@ -78,6 +78,13 @@ void divide_pixel(const TracedImage& traced, std::size_t i, NoisyLight& noisy) {
   const float all = luminance_of(&traced.color.values[3 * i]), half = luminance_of(&traced.half.values[3 * i]);
   noisy.of_paths[i] = traced.variance.values[i] / (grey * grey);
   noisy.of_halves[i] = (all - half) * (all - half) / (grey * grey);
+  if (!traced.has_color_noise()) return;
+  noisy.of_paths[i] = noisy.of_halves[i] = 0;
+  for (int c = 0; c < 3; ++c) {
+    const float divisor = std::max(albedo[c], least_albedo), apart = noisy.light[c][i] - noisy.half[c][i];
+    noisy.of_paths[i] += traced.color_variance.values[3 * i + c] / (3 * divisor * divisor);
+    noisy.of_halves[i] += apart * apart / 3;
+  }
 }
 
 }  // namespace

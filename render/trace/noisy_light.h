@@ -15,8 +15,9 @@ inline constexpr float least_albedo = 0.02f;  // that light is divided by
 struct NoisyLight {
   int width = 0, height = 0;
   std::array<Plane, 3> light, half;  // of all paths; of half of them, which know nothing of the others
-  Plane of_paths;                    // variance of the luminance of light, as the paths tell it
-  Plane of_halves;                   // squared difference of the luminances of light and half
+  Plane
+      of_paths;  // variance of the luminance of light, as the paths tell it; with color_variance, mean of the colours'
+  Plane of_halves;  // squared difference of the luminances of light and half
   std::size_t size() const { return std::size_t(width) * height; }
 };
 

@@ -40,11 +40,19 @@ class FlushDenormals {
 #endif
 };
 
+bool lets_light_in(const RenderScene& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [](const RenderObject& object) { return object.look.lets_light_in(); });
+}
+
 PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const PathTraceOptions& options) {
   const int in_sequence =
       options.noise > 0 ? (options.samples + 1) / 2 : std::max(options.samples, options.edge_samples);
   PathTracer tracer{.rays = rays,
                     .looks = {},
+                    .matters = {},
+                    .has_matter = lets_light_in(scene),
+                    .shows_backdrop = !scene.transparent,
                     .lights = RectangleLights(scene.lights),
                     .sky = SkyLight(scene.sky),
                     .backdrop = scene.transparent ? Vector3f(0, 0, 0) : scene.backdrop,
@@ -58,6 +66,8 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
                     .bounces = options.bounces};
   for (const RenderObject& object : scene.objects)
     tracer.looks.push_back(make_bsdf_look(object.look, "object " + object.name));
+  for (const RenderObject& object : scene.objects)
+    tracer.matters.push_back(make_matter(object.look, "object " + object.name));
   for (const RenderObject& object : scene.objects)
     if (has_fade(scene)) tracer.fades.push_back(object.catches_shadows ? std::nullopt : object.fade);
   for (const Camera& camera : scene.camera_path)
@@ -191,6 +201,7 @@ void check(const PathTraceOptions& options, const Crop& crop) {
 // black, with all the layers that the options and the scene ask for
 TracedImage all_layers(const RenderScene& scene, const PathTraceOptions& options, int width, int height) {
   TracedImage image = black_image(width, height);
+  if (lets_light_in(scene)) image.color_variance = Image(width, height);
   image.mattes.assign(options.mattes.size(), Image(width, height, 2 * matte_ranks));
   if (has_shadow_catchers(scene))
     image.caught = CaughtImage{.light = Image(width, height),

@@ -60,6 +60,10 @@ struct TracedImage {
   // one per PathTraceOptions::mattes, of 2 matte_ranks channels: pairs of a part's number and the share of the paths that
   // met it first, by falling share; 0 where there are fewer
   std::vector<Image> mattes;
+  // 3: variance of each colour, where light enters matter: there colours are noisy by themselves; else empty
+  Image color_variance = {};
+  bool has_color_noise() const { return !color_variance.values.empty(); }
+
   std::optional<CaughtImage> caught = {};  // where anything catches shadows: it is shown like anything else
 };
 

@@ -29,6 +29,7 @@ void PathWave::Buffers::start(const std::vector<PathStart>& starts) {
     slot[i] = i;
     throughput.set(i, {1, 1, 1});
     density[i] = 0;
+    sight[i] = Sight::none;
     results[i] = PathResult{};
   }
   if (tracer.keeps_parts) first_parts.fill({});
@@ -112,7 +113,7 @@ void PathWave::Buffers::prepare_surfaces(bool first) {
                                    {.a = look.a[i], .b = look.b[i], .coat_a = look.coat_a[i], .coat_b = look.coat_b[i]},
                                    point.base_color.at(i), surface.viewer.at(i)));
   }
-  if (!first) return;
+  if (!first) return tracer.has_matter ? guide_through() : void();
   for (int i = 0; i < count; ++i) {
     PathResult& result = results[slot[i]];
     result.albedo = surface.albedo.vector(i);
@@ -162,6 +163,7 @@ void PathWave::Buffers::scatter(int vertex_dimension, bool first) {
   // paths that carry little are ended by chance, those that go on carry their share
   if (!first) draw(vertex_dimension + dim_roulette, u, v);
   turn(first);
+  if (tracer.has_matter) go_through();
   keep([&](int i) { return goes_on[i] != 0; });
 }
 
@@ -195,7 +197,9 @@ const PathResult* PathWave::trace(const std::vector<PathStart>& starts, std::vec
     wave.meet_surfaces(first);
     wave.add_emissions(first);
     if (first && !wave.tracer.fades.empty()) wave.fade_out();
+    if (!first && wave.tracer.has_matter) wave.fade_through();
     wave.prepare_surfaces(first);
+    if (wave.tracer.has_matter) wave.enter_matter(bounce);
     const int vertex_dimension = dims_of_camera + bounce * dims_of_vertex;
     wave.add_lights(vertex_dimension, first);
     wave.scatter(vertex_dimension, first);

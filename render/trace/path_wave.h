@@ -9,6 +9,7 @@
 #include "render/scene/render_scene.h"
 #include "render/scene/sampling.h"
 #include "render/trace/bsdf.h"
+#include "render/trace/matter.h"
 #include "render/trace/ray_scene.h"
 
 namespace umax {
@@ -17,6 +18,9 @@ namespace umax {
 struct PathTracer {
   const RayScene& rays;
   std::vector<BsdfLook> looks;  // one per object
+  std::vector<Matter> matters;  // likewise
+  bool has_matter = false;      // whether light enters any object
+  bool shows_backdrop = true;   // through clear matter, too
   RectangleLights lights;
   SkyLight sky;
   std::optional<Vector3f> backdrop;

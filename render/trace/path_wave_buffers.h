@@ -14,6 +14,17 @@ enum Dimension { dim_filter, dim_lens, dims_of_camera };
 constexpr int dim_time = SampleSequence::max_dimensions - 1;
 enum VertexDimension { dim_light, dim_sky, dim_scatter, dim_roulette, dims_of_vertex };
 
+// of the paths that enter bodies, beside the vertices' own
+constexpr int matter_bounces = 24;
+constexpr int matter_dimension(int bounce) {
+  return dim_time - 1 - bounce % matter_bounces;
+}
+
+// what becomes of a path at a surface under which there is matter
+enum class Fate { stays, comes_out, passes };
+// what a path tells of what it meets after it has only passed through clear matter
+enum class Sight { none, blurred, sharp };
+
 struct PathWave::Buffers {
   explicit Buffers(const PathTracer& tracer_) : tracer(tracer_) {}
 
@@ -27,6 +38,7 @@ struct PathWave::Buffers {
   rows::RayRows ray;
   rows::ColorRows throughput;
   rows::Row density;  // [1/sr] with which the ray's direction was chosen
+  rows::RowOf<Sight> sight;
   std::array<PathResult, rows::capacity> results;
   std::array<FirstPart, rows::capacity> first_parts;
 
@@ -45,6 +57,12 @@ struct PathWave::Buffers {
   rows::ColorRows value;
   rows::Row value_density, choice_again, choice_alpha, weight;
   rows::RowOf<int> goes_on;
+
+  // of paths that enter bodies
+  rows::RowOf<Fate> fate;
+  rows::Row inner_u, inner_v;
+  rows::RayRows beyond;  // of paths that pass
+  rows::ColorRows beyond_throughput;
 
   // rays towards lights
   rows::RayRows shadow;
@@ -70,6 +88,14 @@ struct PathWave::Buffers {
   void prepare_surfaces(bool first);
   void look_up();
   void evaluate_directions();
+  // --- matter below surfaces
+  void enter_matter(int bounce);
+  void choose_fate(int i, const Matter& matter, int bounce);
+  void walk(int i, const Matter& matter, const Vector3f& base, int bounce);
+  void pass(int i, const Matter& matter, int bounce);
+  void go_through();
+  void guide_through();
+  void fade_through();
   // --- lights that are looked for
   void add_lights(int vertex_dimension, bool first);
   void add_light_samples(bool first);
@@ -89,6 +115,7 @@ struct PathWave::Buffers {
         ray.copy(kept, i, ray);
         throughput.set(kept, throughput.at(i));
         density[kept] = density[i];
+        sight[kept] = sight[i];
         hit.copy(kept, i);
       }
       ++kept;

@@ -76,6 +76,7 @@ void PathWave::Buffers::add_rectangle(int i, bool from_camera) {
 }
 
 Vector3f PathWave::Buffers::sky_seen(int i) const {
+  if (sight[i] != Sight::none && tracer.shows_backdrop) return behind_everything(i);
   const Vector3f towards = ray.direction.vector(i), radiance = tracer.sky.radiance(towards);
   if (!tracer.sky.is_aimed()) return radiance;
   return strategy_weight(density[i], tracer.sky.density(towards)) * radiance;

@@ -12,13 +12,14 @@ namespace umax {
 
 /// Paths of one pixel, summed in their order.
 struct PixelSum {
-  Eigen::Vector3d color{0, 0, 0}, half{0, 0, 0}, albedo{0, 0, 0}, normal{0, 0, 0};
+  Eigen::Vector3d color{0, 0, 0}, color_squares{0, 0, 0}, half{0, 0, 0}, albedo{0, 0, 0}, normal{0, 0, 0};
   double depth = 0, squares = 0, luminances = 0;
   int num_met = 0, count = 0;
 
   void add(const PathResult& path, int sample) {
     const Eigen::Vector3d radiance = path.radiance.cast<double>();
     color += radiance;
+    color_squares += radiance.cwiseProduct(radiance);
     if (sample % 2 == 0) half += radiance;
     albedo += path.albedo.cast<double>();
     normal += path.normal.cast<double>();
@@ -36,6 +37,12 @@ struct PixelSum {
     const double mean = luminances / count;
     return count > 1 ? std::max(0.0, squares / count - mean * mean) / (count - 1) : 0;
   }
+  /// The same of the mean of each colour.
+  Eigen::Vector3d variance_of_color() const {
+    const Eigen::Vector3d mean = color / count;
+    if (count < 2) return {0, 0, 0};
+    return (color_squares / count - mean.cwiseProduct(mean)).cwiseMax(0.0) / (count - 1);
+  }
 };
 
 /// Puts the values of a pixel into the picture.
@@ -45,6 +52,7 @@ inline void store_pixel(const PixelSum& sum, TracedImage& image, int column, int
   };
   const int samples = sum.count;
   store(image.color, sum.color / samples);
+  if (image.has_color_noise()) store(image.color_variance, sum.variance_of_color());
   store(image.half, sum.half / ((samples + 1) / 2));
   store(image.albedo, sum.albedo / samples);
   store(image.normal, sum.normal / samples);
@@ -62,6 +70,7 @@ inline void store_pixel(const std::array<PixelSum, 2>& halves, TracedImage& imag
     for (int c = 0; c < 3; ++c) to.pixel(column, row)[c] = float(value[c]);
   };
   store(image.color, (a.color / a.count + b.color / b.count) / 2);
+  if (image.has_color_noise()) store(image.color_variance, (a.variance_of_color() + b.variance_of_color()) / 4);
   store(image.half, a.color / a.count);
   store(image.albedo, (a.albedo / a.count + b.albedo / b.count) / 2);
   store(image.normal, (a.normal / a.count + b.normal / b.count) / 2);

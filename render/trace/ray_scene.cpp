@@ -46,6 +46,16 @@ void call_intersect(RTCScene scene, RTCRayHit& query) {
 #endif
 }
 
+Hit first_hit(RTCScene scene, const Ray& ray) {
+  RTCRayHit query = to_library(ray);
+  call_intersect(scene, query);
+  return {.object = query.hit.geomID,
+          .triangle = query.hit.primID,
+          .distance = query.ray.tfar,
+          .u = query.hit.u,
+          .v = query.hit.v};
+}
+
 // rays that the library traces together
 constexpr int packet_size = 8;
 struct Packet {
@@ -129,6 +139,7 @@ RTCDevice make_device() {
 struct RayScene::Data {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  std::vector<RTCScene> alone;  // of each object in which light wanders; null of the others
   std::vector<TracedObject> objects;
   RayBoxes boxes;
 
@@ -136,6 +147,8 @@ struct RayScene::Data {
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
   ~Data() {
+    for (RTCScene one : alone)
+      if (one) rtcReleaseScene(one);
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
@@ -155,7 +168,18 @@ struct RayScene::Data {
                                sizeof(TracedObject::Corners), object.triangles.size());
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene, geometry, id);
+    if (alone[id]) rtcAttachGeometryByID(alone[id], geometry, id);
     rtcReleaseGeometry(geometry);
+  }
+
+  RTCScene new_scene(HierarchyBuild build) const {
+    RTCScene made = rtcNewScene(device);
+    const bool is_fast = build == HierarchyBuild::fast;
+    // the library builds fast only what it takes for changing
+    rtcSetSceneFlags(made,
+                     is_fast ? RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC) : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(made, is_fast ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
+    return made;
   }
 
   // numbers of the rays that may meet something; returns how many they are
@@ -175,15 +199,14 @@ RayScene::RayScene(const RenderScene& scene, HierarchyBuild build) : data_(std::
   for (const RenderObject& object : scene.objects) data_->objects.push_back(make_traced_object(object));
   data_->boxes = RayBoxes(data_->objects);
   data_->device = make_device();
-  data_->scene = rtcNewScene(data_->device);
-  const bool is_fast = build == HierarchyBuild::fast;
-  // the library builds fast only what it takes for changing
-  rtcSetSceneFlags(data_->scene,
-                   is_fast ? RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC) : RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(data_->scene, is_fast ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
+  data_->scene = data_->new_scene(build);
+  for (const RenderObject& object : scene.objects)
+    data_->alone.push_back(object.look.subsurface > 0 ? data_->new_scene(build) : nullptr);
   for (std::size_t i = 0; i < data_->objects.size(); ++i)
     if (!data_->objects[i].triangles.empty()) data_->attach(data_->objects[i], unsigned(i), build);
   rtcCommitScene(data_->scene);
+  for (RTCScene one : data_->alone)
+    if (one) rtcCommitScene(one);
 }
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
@@ -194,13 +217,11 @@ const std::vector<TracedObject>& RayScene::objects() const {
 }
 
 Hit RayScene::intersect(const Ray& ray) const {
-  RTCRayHit query = to_library(ray);
-  call_intersect(data_->scene, query);
-  return {.object = query.hit.geomID,
-          .triangle = query.hit.primID,
-          .distance = query.ray.tfar,
-          .u = query.hit.u,
-          .v = query.hit.v};
+  return first_hit(data_->scene, ray);
+}
+
+Hit RayScene::intersect_object(unsigned object, const Ray& ray) const {
+  return first_hit(data_->alone[object], ray);
 }
 
 void RayScene::intersect(const rows::RayRows& rays, int count, bool coherent, rows::HitRows& hits) const {

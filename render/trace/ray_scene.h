@@ -36,6 +36,8 @@ class RayScene {
   RayScene& operator=(RayScene&&) noexcept;
 
   Hit intersect(const Ray& ray) const;
+  /// The same of one object alone, whose look has subsurface.
+  Hit intersect_object(unsigned object, const Ray& ray) const;
   bool occluded(const Ray& ray) const;
   /// The first `count` rays at once. coherent: they lie close together, which is faster where it is true.
   void intersect(const rows::RayRows& rays, int count, bool coherent, rows::HitRows& hits) const;

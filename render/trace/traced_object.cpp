@@ -118,6 +118,19 @@ TracedObject::Instant TracedObject::at(float time) const {
           .share = position - float(segment)};
 }
 
+Vector3f TracedObject::face(unsigned triangle, float time) const {
+  const Instant instant = at(time);
+  const auto corner = [&](int c) -> Vector3f {
+    const unsigned index = triangles[triangle].index[c];
+    const Vector3f before(vertices[instant.before + index].position);
+    return is_moving() ? Vector3f((1 - instant.share) * before +
+                                  instant.share * Vector3f(vertices[instant.after + index].position))
+                       : before;
+  };
+  const Vector3f a = corner(0);
+  return (corner(1) - a).cross(corner(2) - a);
+}
+
 Vector3f TracedObject::color_at(unsigned triangle, float first_share, float u, float v) const {
   const Paint& of_triangle = paints[paint.empty() ? 0 : std::size_t(paint[triangle])];
   Vector3f color = of_triangle.base_color;

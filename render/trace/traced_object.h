@@ -37,6 +37,8 @@ struct TracedObject {
 
   bool is_moving() const { return num_instants > 1; }
   Instant at(float time) const;
+  /// Normal of a triangle, not of unit length, on the side from which its corners run counter-clockwise.
+  Vector3f face(unsigned triangle, float time) const;
   /// The colour of the triangle's paint, by texture or vertices where it has them; first_share: barycentric weight of the first corner.
   Vector3f color_at(unsigned triangle, float first_share, float u, float v) const;
 };

@@ -72,10 +72,14 @@ MOVING = ["cube", "ball", "obstacle.plate"]
 
 def png(width, height):
     """a picture of stripes"""
+    return png_of(width, height, [(255, 64 * (x % 4), 32 * y % 256) for y in range(height) for x in range(width)])
+
+
+def png_of(width, height, pixels):
+    """of (r, g, b), 0 to 255, row by row"""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    rows = b"".join(b"\0" + bytes([255, 64 * (x % 4), 32 * y % 256][k] for x in range(width) for k in range(3))
-                    for y in range(height))
+    rows = b"".join(b"\0" + bytes(c for p in pixels[y * width:(y + 1) * width] for c in p) for y in range(height))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 

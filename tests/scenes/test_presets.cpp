@@ -111,3 +111,19 @@ TEST_CASE("a bad file of materials is refused with its line", "[presets]") {
   CHECK(failure_of([] { presets("no/such/file.toml"); }).code == 66);
   CHECK(failure_of_text(body_with(""), {"presets=no/such/file.toml"}).code == 66);
 }
+
+TEST_CASE("gel, silicone and fat say how light gets into them, and --set of another material takes that along",
+          "[presets]") {
+  CHECK(toy("material.preset = \"gel\"\n").look.transmission > 0.5f);
+  CHECK(toy("material.preset = \"silicone\"\n").look.subsurface == 1);
+  const BodyDescription fat = toy("material.preset = \"fat_tissue\"\n");
+  CHECK(fat.look.subsurface == 1);
+  CHECK(fat.look.subsurface_radius.x() > fat.look.subsurface_radius.z());
+  // colour and gloss are the body's own
+  CHECK(fat.look.base_color == Look().base_color);
+  CHECK(toy("material.preset = \"gel\"\nlook.transmission = 0\n").look.transmission == 0);
+  const BodyDescription changed =
+      toy("look.transmission = 1\nlook.color = [1, 0, 0]\n", {"body.toy.material.preset=rubber"});
+  CHECK(changed.look.transmission == 0);
+  CHECK(changed.look.base_color == Vector3f(1, 0, 0));
+}

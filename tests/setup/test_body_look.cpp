@@ -260,3 +260,32 @@ TEST_CASE("pictures inside .glb and .fbx files are drawn, damaged ones are a war
     CHECK(simulation.bodies[0].look.texture == nullptr);
   }
 }
+
+TEST_CASE("light gets into closed surfaces, of others what lies below is matt, and a warning says so") {
+  const TemporaryFolder folder;
+  make_file(folder / "closed.obj", tetrahedron);
+  std::string open = tetrahedron;
+  open.resize(open.rfind("f 1/1"));
+  make_file(folder / "open.obj", open);
+  const std::string keys = "look.transmission = 0.5\nlook.subsurface = 1\nlook.subsurface_radius = \"5 mm\"\n";
+  const Simulation whole = simulation_of(folder / "closed.obj", keys),
+                   broken = simulation_of(folder / "open.obj", keys);
+  CHECK(whole.bodies[0].look.transmission == 0.5f);
+  CHECK(whole.bodies[0].look.subsurface == 1);
+  CHECK(whole.bodies[0].look.subsurface_radius == Vector3f(0.005f, 0.005f, 0.005f));
+  CHECK_FALSE(warns_of(whole, "no light gets into it"));
+  CHECK_FALSE(broken.bodies[0].look.lets_light_in());
+  CHECK(warns_of(broken, "body.b: the surface is not closed, so no light gets into it"));
+}
+
+TEST_CASE("of obstacles light gets into balls and boxes, not into planes") {
+  const std::string keys = "look.transmission = 1\n";
+  const Simulation simulation = set_up(parse_scene({.text = "[body.b]\nshape = \"box\"\nposition = [0, 3, 0]\n"
+                                                            "cage.cells = [2, 2, 2]\n[obstacle.ball]\n"
+                                                            "shape = \"sphere\"\nradius = 0.5\n" +
+                                                            keys + "[obstacle.ground]\nshape = \"plane\"\n" + keys},
+                                                   {}));
+  CHECK(simulation.obstacles[0].look.transmission == 1);
+  CHECK(simulation.obstacles[1].look.transmission == 0);
+  CHECK(warns_of(simulation, "obstacle.ground: the surface is not closed"));
+}

@@ -95,7 +95,7 @@ void draw_obstacles(const Simulation& simulation, const Stage& stage, double tim
     shot.objects.push_back(
         {.name = "obstacle." + description.name,
          .mesh = std::make_shared<const TriangleMesh>(moved(*obstacle_surface(simulation, stage, i, time), pose)),
-         .look = description.look,
+         .look = simulation.obstacles[i].look,
          .catches_shadows = description.shadow_catcher,
          .fade = fade_of(description, pose)});
   }

@@ -135,6 +135,12 @@ void add_layers(const TracedShot& shot, const RenderDescription& render, TracedI
   describe(shot.shot, render, picture.header);
 }
 
+/// Where something is seen through a surface other frames do not help either.
+void mark_clear(const std::vector<Hit>& hits, const RenderScene& shot, std::vector<char>& edges) {
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i].found() && shot.objects[hits[i].object].look.transmission > 0) edges[i] = 1;
+}
+
 /// Few paths do not make up for the time that a good hierarchy takes. Rays meet the same in both.
 HierarchyBuild hierarchy_for(const RenderScene& shot, const RenderDescription& render) {
   constexpr double paths_per_triangle = 12;
@@ -165,6 +171,7 @@ TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::op
   if (frame) {
     hits = find_first_hits(rays, shot, render.width, render.height);
     options.edges = find_edges(rays, hits, render.width, render.height);
+    mark_clear(hits, shot, options.edges);
   }
   traced.image = path_trace(rays, traced.is_cut_out ? made_transparent(shot) : shot, options);
   if (stop_flag()) return traced;

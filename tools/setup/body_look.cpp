@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "embedding/surface/mesh_report.h"
 #include "render/image/image_io.h"
 
 namespace umax {
@@ -63,9 +64,22 @@ Paint paint_of(const MeshMaterial& material, const Look& look, std::shared_ptr<c
 
 }  // namespace
 
+Look drawable_look(Look look, const TriangleMesh* mesh, std::vector<std::string>& notes) {
+  if (!look.lets_light_in()) return look;
+  const MeshReport report = mesh ? report_mesh(*mesh) : MeshReport{};
+  if (report.watertight && report.signed_volume > 0) return look;
+  notes.push_back(fmt::format("the surface is {}, so no light gets into it: look.{} is drawn matt",
+                              report.watertight ? "inside out" : "not closed",
+                              look.transmission > 0 ? "transmission" : "subsurface"));
+  look.transmission = look.subsurface = 0;
+  return look;
+}
+
 Look body_look(const BodyDescription& body, const PlacedMesh& shape, ShapeLibrary& library,
                std::vector<std::string>& warnings) {
-  Look look = body.look;
+  std::vector<std::string> notes;
+  Look look = drawable_look(body.look, &shape.mesh, notes);
+  for (const std::string& note : notes) warnings.push_back(fmt::format("body.{}: {}", body.name, note));
   look.vertex_colors = shape.mesh.colors.rows() > 0 && !asks_for_color(look);
   if (!body.texture_path.empty()) {
     if (shape.mesh.texture_coordinates.rows() > 0)

@@ -10,4 +10,8 @@ namespace umax {
 Look body_look(const BodyDescription& body, const PlacedMesh& shape, ShapeLibrary& library,
                std::vector<std::string>& warnings);
 
+/// The look as it can be drawn: light enters closed surfaces only; of others what lies below stays matt, and a note says
+/// so. mesh: null is a plane.
+Look drawable_look(Look look, const TriangleMesh* mesh, std::vector<std::string>& notes);
+
 }  // namespace umax

@@ -15,6 +15,7 @@
 #include "embedding/surface/shapes.h"
 #include "embedding/surface/wall_thickness.h"
 #include "tools/setup/animated_mesh.h"
+#include "tools/setup/body_look.h"
 #include "tools/setup/named_error.h"
 
 namespace umax {
@@ -97,6 +98,7 @@ Obstacle make_obstacle(const ObstacleDescription& description, const ClipDescrip
       return 0;
     });
   }
+  setup.look = drawable_look(description.look, setup.mesh.get(), setup.notes);
   return obstacle;
 }
 

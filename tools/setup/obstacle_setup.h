@@ -14,6 +14,7 @@ namespace umax {
 struct ObstacleSetup {
   std::shared_ptr<const TriangleMesh> mesh;  // at rest, in the obstacle's own frame [m]; null: a half space
   std::vector<std::string> notes;            // for the user: what contact will not feel of it
+  Look look;                                 // as it can be drawn
 };
 
 /// The model's obstacle and the mesh to draw it. clip: for what is animated. Throws Error naming the obstacle.
