@@ -205,6 +205,11 @@ SceneSection render_section() {
            "as fast as it goes, for a look at the motion: four paths a pixel and one bounce at most "
            "(embree)");
   keys.add("seed", IntegerKind{.low = 0}, UMAX_FIELD(seed), "of the noise (embree)");
+  keys.add("surface",
+           ChoiceKind<SurfaceKernel>{{{"trilinear", SurfaceKernel::trilinear}, {"smooth", SurfaceKernel::smooth}}},
+           UMAX_FIELD(surface),
+           "how bodies lie in their cages: trilinear, as contact feels them; smooth, without the creases of a coarse "
+           "cage that is bent, in pictures alone");
   keys.add("shutter", NumberKind{units::ratio, {.low = 0, .high = 2}}, UMAX_FIELD(shutter),
            "frames that it stays open: what moves meanwhile is blurred, 0.5 as in film; heat maps never are (embree)");
   keys.add("shutter_position", NumberKind{units::ratio, {.low = 0, .high = 1}}, UMAX_FIELD(shutter_position),

@@ -200,6 +200,11 @@ enum class Heatmap {
 };
 /// What NNNN.exr can hold beside the colour, for compositing.
 enum class PictureLayer { albedo, normal, depth, position, vector, object, energy, cryptomatte, noise };
+/// How pictures place a surface in its cage.
+enum class SurfaceKernel {
+  trilinear,  // as physics does
+  smooth,     // without creases where cells meet
+};
 /// What takes the noise out of pictures (embree).
 enum class NoiseFilter {
   none,
@@ -222,7 +227,8 @@ struct RenderDescription {
   std::vector<PictureLayer> layers;   // of NNNN.exr (embree), in the order of the enum; none: as exr says
   bool transparent = false;           // alpha in place of sky and backdrop (embree)
   Sky sky = GradientSky{};
-  double shutter = 0;              // [frames] that it stays open (embree); 0: nothing blurs
+  SurfaceKernel surface = SurfaceKernel::trilinear;  // of bodies in cages of equal cells
+  double shutter = 0;                                // [frames] that it stays open (embree); 0: nothing blurs
   double shutter_position = 0.5;   // [-] of the frame's own time while it is open: 0 at the start, 1 at the end
   std::filesystem::path sky_path;  // HDR or EXR for an EnvironmentMap
   std::optional<Vector3f> backdrop;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/model/deformation.h"
+#include "tools/pictures/drawn_surface.h"
 
 namespace umax {
 namespace {
@@ -17,9 +18,10 @@ auto nodes_of(const BodySetup& body, const State& state) {
   return state.positions.middleRows(body.first_node, body.lattice.num_nodes());
 }
 
-std::shared_ptr<const TriangleMesh> surface_at(const BodySetup& body, const State& state) {
+std::shared_ptr<const TriangleMesh> surface_at(const Simulation& simulation, const BodySetup& body,
+                                               const State& state) {
   auto surface = std::make_shared<TriangleMesh>();
-  deform(*body.embedding, body.lattice.hexes, nodes_of(body, state), *surface);
+  draw_surface(simulation, body, nodes_of(body, state), *surface);
   return surface;
 }
 
@@ -28,12 +30,12 @@ bool is_at_rest(const BodySetup& body, const std::vector<State>& states) {
                      [&](const State& state) { return nodes_of(body, state) == nodes_of(body, states.front()); });
 }
 
-void add_body_motion(const BodySetup& body, const std::vector<State>& states, const Exposure& exposure,
-                     SurfaceMotion& motion) {
+void add_body_motion(const Simulation& simulation, const BodySetup& body, const std::vector<State>& states,
+                     const Exposure& exposure, SurfaceMotion& motion) {
   if (is_at_rest(body, states)) return;
   motion.first = exposure.share(exposure.first_state());
   motion.last = exposure.share(exposure.last_state());
-  for (const State& state : states) motion.instants.push_back(surface_at(body, state));
+  for (const State& state : states) motion.instants.push_back(surface_at(simulation, body, state));
 }
 
 bool is_same(const Pose& a, const Pose& b) {
@@ -85,7 +87,7 @@ void add_motion(const Simulation& simulation, const Stage& stage, const std::vec
   if (!exposure.is_open()) return;
   shot.moment = exposure.share(frame);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
-    add_body_motion(simulation.bodies[i], states, exposure, shot.objects[i].motion);
+    add_body_motion(simulation, simulation.bodies[i], states, exposure, shot.objects[i].motion);
 
   const double now = states[std::size_t(frame - exposure.first_state())].time;
   const auto time_of = [&](double place) { return now + (place - frame) / simulation.scene.clip.fps; };
@@ -109,7 +111,7 @@ void add_neighbours(const Simulation& simulation, const Stage& stage, const std:
     const State& state = states[std::size_t(neighbour - window.first)];
     for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
       if (nodes_of(simulation.bodies[i], state) != nodes_of(simulation.bodies[i], now))
-        shot.objects[i].*member = surface_at(simulation.bodies[i], state);
+        shot.objects[i].*member = surface_at(simulation, simulation.bodies[i], state);
     std::size_t object = simulation.bodies.size();
     for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
       if (!simulation.scene.obstacles[i].visible) continue;

@@ -9,6 +9,7 @@
 #include "embedding/surface/shapes.h"
 #include "render/annotation/annotate.h"
 #include "render/image/image_io.h"
+#include "tools/pictures/drawn_surface.h"
 
 namespace umax {
 namespace {
@@ -50,8 +51,7 @@ RenderObject draw_body(const Simulation& simulation, std::size_t index, const St
                        const std::optional<Legend>& legend) {
   const BodySetup& body = simulation.bodies[index];
   auto mesh = std::make_shared<TriangleMesh>(body.shape.mesh);
-  deform(*body.embedding, body.lattice.hexes, state.positions.middleRows(body.first_node, body.lattice.num_nodes()),
-         *mesh);
+  draw_surface(simulation, body, state.positions.middleRows(body.first_node, body.lattice.num_nodes()), *mesh);
 
   RenderObject object{.name = body.name, .mesh = mesh, .look = body.look};
   if (legend) {

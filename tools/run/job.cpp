@@ -188,6 +188,7 @@ int export_stage(const JobInHand& hand) {
 /// Renders and encodes; returns the signal that stopped it, or 0.
 int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   const Scene& scene = hand.job.scene;
+  for (const std::string& note : pictures.notes) hand.progress.note(note);
   auto start = std::chrono::steady_clock::now();
   const RenderResult result =
       draw_pictures(pictures.list, scene.render, hand.options.threads, hand.folder, hand.progress);

@@ -126,6 +126,9 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   pictures.list.shot = [view](int frame) { return shot_of(view, frame, view.simulation.scene.render); };
   pictures.list.beside = [view, without_layers = render](int frame) mutable {
     without_layers.layers.clear();
+  if (motion.departure > 0)
+    pictures.notes.push_back(
+        fmt::format("render.surface is smooth: at most {:.3g} m from where contact feels bodies", motion.departure));
     return shot_of(view, frame, without_layers);
   };
   pictures.list.window = [&simulation](int frame) {

@@ -16,7 +16,8 @@ namespace umax {
 /// The pictures of a run: states are read from `run`, the camera frames all of them unless the scene has one.
 struct RunPictures {
   PictureList list;
-  PictureRecord record;  // what decides the pictures
+  PictureRecord record;                 // what decides the pictures
+  std::vector<std::string> notes = {};  // for the user
 };
 RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem::path& run,
                             const std::vector<int>& frames);

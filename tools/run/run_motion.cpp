@@ -12,6 +12,7 @@
 #include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
+#include "tools/pictures/drawn_surface.h"
 #include "tools/pictures/shot.h"
 #include "tools/setup/state_file.h"
 
@@ -41,6 +42,7 @@ std::string digest_of_surfaces(const Simulation& simulation) {
     if (line.starts_with("[")) is_body = line.starts_with("[body");
     if (is_body) bodies += line + "\n";
   }
+  if (simulation.scene.render.surface == SurfaceKernel::smooth) bodies += "smooth";
   return sha256_hex(simulation.digest + bodies);
 }
 
@@ -67,6 +69,7 @@ std::string motion_text(const KeptMotion& kept) {
   json["heat_largest"] = heat.largest;
   if (heat.least_limit < std::numeric_limits<double>::infinity()) json["heat_least_limit"] = heat.least_limit;
   json["heat_largest_limit"] = heat.largest_limit;
+  if (kept.motion.departure > 0) json["smooth_departure_m"] = kept.motion.departure;
   return json.dump(2) + "\n";
 }
 
@@ -84,6 +87,14 @@ std::optional<KeptMotion> read_motion(const fs::path& path) {
     heat.largest = json.at("heat_largest");
     heat.least_limit = json.value("heat_least_limit", heat.least_limit);
     heat.largest_limit = json.at("heat_largest_limit");
+    ViewFit& fit = kept.motion.fit;
+    fit.aspect = json.at("view").at("aspect");
+    fit.vertical_fov_degrees = json.at("view").at("vertical_fov_degrees");
+    const nlohmann::json& reach = json.at("view").at("reach_m");
+    int side = 0;
+    for (double* number : {&fit.right, &fit.left, &fit.top, &fit.bottom, &fit.near, &fit.far})
+      *number = reach.at(std::size_t(side++)).get<double>();
+    kept.motion.departure = json.value("smooth_departure_m", 0.0);
     return kept;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;  // damaged, or of another version: it is read from the states again
@@ -94,7 +105,13 @@ std::optional<KeptMotion> read_motion(const fs::path& path) {
 void add_states(const Simulation& simulation, const fs::path& run, int first, int last, RunMotion& motion) {
   for (int frame = first; frame <= last; ++frame) {
     const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
-    motion.box.extend(box_of(simulation, state.positions));
+    for (const BodySetup& body : simulation.bodies) {
+      const Points surface = surface_points(body, state.positions);
+      motion.box.extend(
+          Box(Vector3d(surface.colwise().minCoeff().transpose()), Vector3d(surface.colwise().maxCoeff().transpose())));
+      motion.fit.extend(surface);
+    }
+    motion.departure = std::max(motion.departure, departure_of_surface(simulation, state.positions));
     extend(motion.heat, simulation, state);
   }
 }

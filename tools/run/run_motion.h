@@ -11,8 +11,10 @@
 namespace umax {
 
 struct RunMotion {
-  Box box;         // around the surfaces [m]
-  HeatRange heat;  // of render.heatmap
+  Box box;               // around the surfaces [m]
+  ViewFit fit;           // of the scene\'s pictures
+  HeatRange heat;        // of render.heatmap
+  double departure = 0;  // [m] of the drawn surface from that which physics knows, at most
 };
 
 /// As kept, where that is of the states that are there and of this heat map; otherwise read from them. Throws Error.

@@ -229,6 +229,19 @@ Digest digest_of(const Simulation& simulation) {
 }
 
 Simulation set_up(const Scene& scene, const CageWatch& watch) {
+namespace {
+
+void warn_of_creases(Simulation& simulation) {
+  if (simulation.scene.render.surface == SurfaceKernel::trilinear) return;
+  for (const BodySetup& body : simulation.bodies)
+    if (!body.lattice.is_regular())
+      simulation.warnings.push_back("body." + body.name +
+                                    ": render.surface is smooth, but is drawn trilinear: the cells of its cage are not "
+                                    "equal");
+}
+
+}  // namespace
+
   Simulation simulation;
   simulation.scene = scene;
   read_camera(simulation.scene.camera);
@@ -288,6 +301,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
 }
 
 std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time) {
+  warn_of_creases(simulation);
   const auto& rest = simulation.obstacles[obstacle].mesh;
   const auto& deformation = simulation.model.obstacles[obstacle].deformation;
   if (!deformation) return rest;
