@@ -9,11 +9,14 @@ using Comments = std::map<std::string, std::string>;
 
 void write_keys(const SceneSection& section, const Scene& scene, std::size_t index, const std::string& thing,
                 const Comments& comments, std::string& text) {
-  for (const SceneKey& key : section.keys)
+  for (const SceneKey& key : section.keys) {
+    // a scene whose file names no sky gets one with its lights: naming the default would keep both away
+    if (scene.wants_lights && section.name == "render" && key.name.starts_with("sky.")) continue;
     if (const auto value = key.write(scene, index)) {
       const auto comment = comments.find(section.key_prefix(thing) + key.name);
       text += key.name + " = " + *value + (comment != comments.end() ? "  # " + comment->second : "") + "\n";
     }
+  }
 }
 
 }  // namespace

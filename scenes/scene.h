@@ -251,6 +251,8 @@ struct Scene {
   CameraDescription camera;
   std::vector<LightDescription> lights;
   RenderDescription render;
+  bool wants_lights =
+      false;  // its file names neither a light nor a sky: it gets those of a studio when bodies are placed
 };
 
 }  // namespace umax

@@ -58,6 +58,19 @@ std::string read_scene_text(const fs::path& path) {
   return read_file(path);
 }
 
+namespace {
+
+/// What is around the bodies: the sky, or the backdrop before it.
+bool names_sky(const SceneDocument& document) {
+  const auto render = document.find("render");
+  if (render == document.end()) return false;
+  const auto is_of_sky = [](const auto& entry) { return entry.first.starts_with("sky") || entry.first == "backdrop"; };
+  const auto& values = render->second.begin()->second.values;
+  return !render->second.empty() && std::any_of(values.begin(), values.end(), is_of_sky);
+}
+
+}  // namespace
+
 Override parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || trimmed(text.substr(0, equals)).empty())
@@ -74,7 +87,9 @@ Scene parse_scene(const SceneText& source, const std::vector<Override>& override
   apply_overrides(document, overrides, fs::current_path());
   check_groups(document);
   expand_presets(document);
-  return read_document(document, source.name);
+  Scene scene = read_document(document, source.name);
+  scene.wants_lights = scene.lights.empty() && !names_sky(document);
+  return scene;
 }
 
 Scene load_scene(const std::string& scene, const std::vector<Override>& overrides) {

@@ -259,6 +259,20 @@ void write_if_different(const std::filesystem::path& path, const std::string& te
 
 }  // namespace
 
+namespace {
+
+/// The scene with the lights that it got when its bodies were placed.
+Scene lit_scene(Scene scene, const Simulation& simulation) {
+  if (!scene.wants_lights) return scene;
+  scene.wants_lights = false;
+  scene.lights = simulation.scene.lights;
+  scene.render.sky = simulation.scene.render.sky;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) scene.obstacles[i].fade = simulation.scene.obstacles[i].fade;
+  return scene;
+}
+
+}  // namespace
+
 int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
   const std::vector<int> frames =
@@ -296,7 +310,7 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   require_same_run(folder, simulation);
   if (use_of(job) == FolderUse::shared)
     if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return exit_code_after(signal);
-  const std::string scene_text = resolved_toml(job.scene, limit_comments(simulation));
+  const std::string scene_text = resolved_toml(lit_scene(job.scene, simulation), limit_comments(simulation));
   write_if_different(folder.scene(), scene_text);
   RecordKeeper keeper(folder, options, scene_text, simulation);
   try {

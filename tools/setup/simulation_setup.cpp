@@ -25,6 +25,7 @@
 #include "tools/setup/contact_points.h"
 #include "tools/setup/limit_report.h"
 #include "tools/setup/named_error.h"
+#include "tools/setup/studio.h"
 
 namespace umax {
 namespace {
@@ -228,7 +229,6 @@ Digest digest_of(const Simulation& simulation) {
   return digest;
 }
 
-Simulation set_up(const Scene& scene, const CageWatch& watch) {
 namespace {
 
 void warn_of_creases(Simulation& simulation) {
@@ -242,6 +242,7 @@ void warn_of_creases(Simulation& simulation) {
 
 }  // namespace
 
+Simulation set_up(const Scene& scene, const CageWatch& watch) {
   Simulation simulation;
   simulation.scene = scene;
   read_camera(simulation.scene.camera);
@@ -291,17 +292,21 @@ void warn_of_creases(Simulation& simulation) {
   simulation.probes = embed_probes(scene, simulation.bodies);
   read_pulls(simulation);
   simulation.digest = digest_of(simulation);
+  Eigen::AlignedBox3d box;
+  for (const BodySetup& body : simulation.bodies)
+    for (const auto& place : body.shape.mesh.positions.rowwise()) box.extend(Vector3d(place.transpose()));
+  light_scene(box, simulation.scene);
   warn_of_penetration(simulation, simulation.warnings);
   warn_of_fast_animations(simulation.model, simulation.options.time_step, simulation.warnings);
   warn_of_open_meshes(simulation.model, simulation.warnings);
   warn_of_paper_method(simulation.model, scene.solver.method, simulation.warnings);
   warn_of_overlaps(simulation.model, simulation.warnings);
+  warn_of_creases(simulation);
   warn_of_sudden_limits(simulation, simulation.warnings);
   return simulation;
 }
 
 std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time) {
-  warn_of_creases(simulation);
   const auto& rest = simulation.obstacles[obstacle].mesh;
   const auto& deformation = simulation.model.obstacles[obstacle].deformation;
   if (!deformation) return rest;

@@ -27,10 +27,20 @@ struct Found {
   bool is_whole = false;  // with pictures and clip, of these very settings
 };
 
+/// A run's scene without the lights that it got on its way from a scene that wants some.
+Scene before_lighting(Scene of_run, const Scene& wanted) {
+  if (!wanted.wants_lights || of_run.obstacles.size() != wanted.obstacles.size()) return of_run;
+  of_run.wants_lights = true;
+  of_run.lights.clear();
+  of_run.render.sky = wanted.render.sky;
+  for (std::size_t i = 0; i < of_run.obstacles.size(); ++i) of_run.obstacles[i].fade = wanted.obstacles[i].fade;
+  return of_run;
+}
+
 /// Whether the run was made with this very scene.
 bool is_scene_of(const fs::path& run, const Scene& scene) {
   try {
-    return resolved_toml(load_scene((run / "scene.toml").string())) == resolved_toml(scene);
+    return resolved_toml(before_lighting(load_scene((run / "scene.toml").string()), scene)) == resolved_toml(scene);
   } catch (const Error&) {
     return false;  // of another version, or its mesh has changed
   }
