@@ -60,6 +60,56 @@ TEST_CASE("nothing leaves the picture while a turntable goes round, and it ends 
   }
 }
 
+TEST_CASE("a camera that frames a motion touches it at two opposite sides, and cuts nothing off") {
+  // places of a fall: a swarm that is narrow above and wide below, added in two parts
+  Points swarm(400, 3);
+  for (Eigen::Index i = 0; i < swarm.rows(); ++i) {
+    const double t = double(i) / 400, angle = 2.4 * double(i);
+    swarm.row(i) << (0.2 + t) * std::cos(angle), 3 - 3 * t, (0.2 + t) * std::sin(angle);
+  }
+  for (const double aspect : {16.0 / 9, 1.0, 0.5}) {
+    ViewFit fit = view_fit({}, aspect);
+    CHECK(fit.is_empty());
+    fit.extend(swarm.topRows(150));
+    fit.extend(swarm.bottomRows(250));
+    const Camera camera = frame_camera({}, fit);
+    const Vector3d position = camera.position.cast<double>(),
+                   forward = (camera.target.cast<double>() - position).normalized();
+    const Vector3d right = forward.cross(Vector3d::UnitY()).normalized(), up = right.cross(forward);
+    const double tangent = std::tan(double(camera.vertical_fov_degrees) * std::numbers::pi / 360);
+    Box seen;  // x and y in the picture, where 1 is its edge
+    for (const auto& row : swarm.rowwise()) {
+      const Vector3d d = row.transpose() - position;
+      const double depth = d.dot(forward);
+      seen.extend(Vector3d(d.dot(right) / (depth * tangent * aspect), d.dot(up) / (depth * tangent), 0));
+    }
+    const double wide = std::min(-seen.min().x(), seen.max().x()), high = std::min(-seen.min().y(), seen.max().y());
+    CHECK(seen.min().head<2>().cwiseAbs().maxCoeff() <= 1 / 1.12 + 1e-4);
+    CHECK(seen.max().head<2>().cwiseAbs().maxCoeff() <= 1 / 1.12 + 1e-4);
+    CHECK(std::max(wide, high) == Approx(1 / 1.12).margin(1e-4));
+    // a box around it needs more room
+    const Box box(Vector3d(swarm.colwise().minCoeff().transpose()), Vector3d(swarm.colwise().maxCoeff().transpose()));
+    const Camera of_box = frame_camera({}, box, aspect);
+    CHECK((of_box.position - of_box.target).norm() > (camera.position - camera.target).norm());
+  }
+}
+
+TEST_CASE("the circle round points cuts nothing off, and they fill the picture somewhere on the way") {
+  Points bar(60, 3);
+  for (Eigen::Index i = 0; i < bar.rows(); ++i) bar.row(i) << 5 + 0.05 * double(i), 1 + 0.02 * double(i % 7), -2;
+  for (const double aspect : {16.0 / 9, 0.5}) {
+    const TurntableFit fit = turntable_fit({}, bar, aspect);
+    double largest = 0;
+    for (int k = 0; k < 90; ++k)
+      for (const auto& row : bar.rowwise()) {
+        const Box place(Vector3d(row.transpose()), Vector3d(row.transpose()));
+        largest = std::max(largest, extent_in_picture(turntable_camera({}, fit, k / 90.0), place, aspect));
+      }
+    CHECK(largest <= 1 / 1.12 + 1e-3);
+    CHECK(largest >= 0.97 / 1.12);
+  }
+}
+
 TEST_CASE("a light shines on its target with its power, whatever its size") {
   for (const double size : {0.5, 2.0}) {
     LightDescription description;

@@ -132,9 +132,13 @@ AreaLight area_light(const LightDescription& description, double time) {
   return light;
 }
 
+Points surface_points(const BodySetup& body, const Points& nodes) {
+  return deform_points(points_of(*body.embedding), body.lattice.hexes,
+                       nodes.middleRows(body.first_node, body.lattice.num_nodes()));
+}
+
 Box box_of(const BodySetup& body, const Points& nodes) {
-  const Points points = deform_points(points_of(*body.embedding), body.lattice.hexes,
-                                      nodes.middleRows(body.first_node, body.lattice.num_nodes()));
+  const Points points = surface_points(body, nodes);
   return {Vector3d(points.colwise().minCoeff().transpose()), Vector3d(points.colwise().maxCoeff().transpose())};
 }
 

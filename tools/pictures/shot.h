@@ -25,6 +25,9 @@ struct Stage {
 /// sky's picture cannot be read.
 Stage make_stage(const Simulation& simulation, const Box& box, const HeatRange& range = {});
 
+/// Vertices of a body's surface as physics knows it, #V x 3 [m], of the model's nodes.
+Points surface_points(const BodySetup& body, const Points& nodes);
+
 /// Box around a body's surface, of the model's nodes; around the surfaces of all bodies.
 Box box_of(const BodySetup& body, const Points& nodes);
 Box box_of(const Simulation& simulation, const Points& nodes);

@@ -82,12 +82,15 @@ bool has_catchers(const Scene& scene) {
 struct RunView {
   const Simulation& simulation;
   std::filesystem::path run;
-  Box box;  // around the motion
+  Box box;      // around the motion
+  ViewFit fit;  // of it
   std::shared_ptr<const Stage> stage;
 
   Camera camera_at(double frame) const {
     const Scene& scene = simulation.scene;
-    return frame_camera(scene.camera, box, aspect_of(scene.render), (frame - 1) / scene.clip.fps);
+    const double time = (frame - 1) / scene.clip.fps;
+    if (is_framed(scene.camera)) return frame_camera(scene.camera, fit, time);
+    return frame_camera(scene.camera, box, aspect_of(scene.render), time);
   }
 };
 
@@ -116,19 +119,21 @@ RunPictures pictures_of_run(const Simulation& simulation, const std::filesystem:
   require_exposed_states(simulation, run, frames);
   const RunMotion motion = motion_of_run(simulation, run);
   const RenderDescription& render = simulation.scene.render;
-  const Camera camera = frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
+  const Camera camera = is_framed(simulation.scene.camera)
+                            ? frame_camera(simulation.scene.camera, motion.fit)
+                            : frame_camera(simulation.scene.camera, motion.box, aspect_of(render));
   auto stage = std::make_shared<const Stage>(make_stage(simulation, motion.box, motion.heat));
   RunPictures pictures;
   pictures.record = picture_record(
       simulation, "run " + camera_text(camera) + legend_text(*stage) + file_text(simulation.scene.camera));
-  pictures.list.frames = frames;
-  const RunView view{.simulation = simulation, .run = run, .box = motion.box, .stage = stage};
-  pictures.list.shot = [view](int frame) { return shot_of(view, frame, view.simulation.scene.render); };
-  pictures.list.beside = [view, without_layers = render](int frame) mutable {
-    without_layers.layers.clear();
   if (motion.departure > 0)
     pictures.notes.push_back(
         fmt::format("render.surface is smooth: at most {:.3g} m from where contact feels bodies", motion.departure));
+  pictures.list.frames = frames;
+  const RunView view{.simulation = simulation, .run = run, .box = motion.box, .fit = motion.fit, .stage = stage};
+  pictures.list.shot = [view](int frame) { return shot_of(view, frame, view.simulation.scene.render); };
+  pictures.list.beside = [view, without_layers = render](int frame) mutable {
+    without_layers.layers.clear();
     return shot_of(view, frame, without_layers);
   };
   pictures.list.window = [&simulation](int frame) {
@@ -142,8 +147,24 @@ Camera camera_of_run(const Simulation& simulation, const std::filesystem::path& 
   const CameraDescription& camera = simulation.scene.camera;
   const bool is_given = camera.motion || (camera.position && camera.target);
   const RunMotion motion = is_given ? RunMotion() : motion_of_run(simulation, run);
+  if (is_framed(camera)) return frame_camera(camera, motion.fit);
   return frame_camera(camera, motion.box, aspect_of(simulation.scene.render));
 }
+
+namespace {
+
+/// Of all bodies, #P x 3 [m].
+Points surface_points(const Simulation& simulation, const State& state) {
+  Points all;
+  for (const BodySetup& body : simulation.bodies) {
+    const Points surface = surface_points(body, state.positions);
+    all.conservativeResize(all.rows() + surface.rows(), 3);
+    all.bottomRows(surface.rows()) = surface;
+  }
+  return all;
+}
+
+}  // namespace
 
 RunPictures turntable_of(const Simulation& simulation, const State& state, const std::vector<int>& frames) {
   const Box box = box_of(simulation, state.positions);
@@ -154,9 +175,13 @@ RunPictures turntable_of(const Simulation& simulation, const State& state, const
   pictures.record = picture_record(
       simulation, fmt::format("turntable {} of {}", state.step, simulation.last_frame()) + legend_text(*stage));
   pictures.list.frames = frames;
-  pictures.list.shot = [&simulation, state, box, stage](int frame) {
+  const TurntableFit fit =
+      turntable_fit(simulation.scene.camera, surface_points(simulation, state), aspect_of(simulation.scene.render));
+  pictures.list.shot = [&simulation, state, box, fit, stage](int frame) {
     const auto camera_at = [&](double place) {
       const double turns = (place - 1) / simulation.last_frame();
+      if (is_framed(simulation.scene.camera))
+        return turntable_camera(simulation.scene.camera, fit, turns - std::floor(turns));
       return turntable_camera(simulation.scene.camera, box, aspect_of(simulation.scene.render),
                               turns - std::floor(turns));
     };

@@ -64,12 +64,16 @@ std::string motion_text(const KeptMotion& kept) {
   nlohmann::ordered_json json;
   json["states"] = kept.states;
   json["surfaces_sha256"] = kept.surfaces;
+  const ViewFit& fit = kept.motion.fit;
+  json["view"] = {{"aspect", fit.aspect},
+                  {"vertical_fov_degrees", fit.vertical_fov_degrees},
+                  {"reach_m", {fit.right, fit.left, fit.top, fit.bottom, fit.near, fit.far}}};
   json["box_m"] = {numbers(kept.motion.box.min()), numbers(kept.motion.box.max())};
+  if (kept.motion.departure > 0) json["smooth_departure_m"] = kept.motion.departure;
   json["heatmap"] = kept.heatmap;
   json["heat_largest"] = heat.largest;
   if (heat.least_limit < std::numeric_limits<double>::infinity()) json["heat_least_limit"] = heat.least_limit;
   json["heat_largest_limit"] = heat.largest_limit;
-  if (kept.motion.departure > 0) json["smooth_departure_m"] = kept.motion.departure;
   return json.dump(2) + "\n";
 }
 
@@ -83,10 +87,6 @@ std::optional<KeptMotion> read_motion(const fs::path& path) {
     kept.surfaces = json.at("surfaces_sha256");
     kept.heatmap = json.at("heatmap");
     kept.motion.box = Box(vector_of(json.at("box_m").at(0)), vector_of(json.at("box_m").at(1)));
-    HeatRange& heat = kept.motion.heat;
-    heat.largest = json.at("heat_largest");
-    heat.least_limit = json.value("heat_least_limit", heat.least_limit);
-    heat.largest_limit = json.at("heat_largest_limit");
     ViewFit& fit = kept.motion.fit;
     fit.aspect = json.at("view").at("aspect");
     fit.vertical_fov_degrees = json.at("view").at("vertical_fov_degrees");
@@ -95,6 +95,10 @@ std::optional<KeptMotion> read_motion(const fs::path& path) {
     for (double* number : {&fit.right, &fit.left, &fit.top, &fit.bottom, &fit.near, &fit.far})
       *number = reach.at(std::size_t(side++)).get<double>();
     kept.motion.departure = json.value("smooth_departure_m", 0.0);
+    HeatRange& heat = kept.motion.heat;
+    heat.largest = json.at("heat_largest");
+    heat.least_limit = json.value("heat_least_limit", heat.least_limit);
+    heat.largest_limit = json.at("heat_largest_limit");
     return kept;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;  // damaged, or of another version: it is read from the states again
@@ -122,7 +126,10 @@ KeptMotion whole_motion(const Simulation& simulation, const fs::path& run, const
   whole.states = num_states(simulation, run);
   whole.surfaces = digest_of_surfaces(simulation);
   whole.heatmap = heatmap_name(simulation);
-  const bool goes_on = kept && kept->states <= whole.states && kept->states > 0 && kept->surfaces == whole.surfaces &&
+  const RenderDescription& render = simulation.scene.render;
+  whole.motion.fit = view_fit(simulation.scene.camera, double(render.width) / render.height);
+  const bool goes_on = kept && kept->motion.fit.fits(simulation.scene.camera, whole.motion.fit.aspect) &&
+                       kept->states <= whole.states && kept->states > 0 && kept->surfaces == whole.surfaces &&
                        kept->heatmap == whole.heatmap;
   if (goes_on) whole.motion = kept->motion;
   add_states(simulation, run, goes_on ? kept->states + 1 : 1, whole.states, whole.motion);

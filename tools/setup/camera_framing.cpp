@@ -57,7 +57,84 @@ Camera camera_of_file(const CameraDescription& description, const Box& box, doub
   return camera;
 }
 
+/// Axes of a picture that is seen from `back`.
+struct ViewAxes {
+  Vector3d right, up, back;
+  explicit ViewAxes(const Vector3d& towards_camera) : back(towards_camera.normalized()) {
+    right = Vector3d::UnitY().cross(back).normalized();
+    up = back.cross(right);
+  }
+};
+
+double tangent_of(double vertical_fov_degrees) {
+  return std::tan(vertical_fov_degrees * std::numbers::pi / 360) / margin;
+}
+
 }  // namespace
+
+ViewFit view_fit(const CameraDescription& description, double aspect) {
+  return {.aspect = aspect, .vertical_fov_degrees = description.vertical_fov_degrees.at(0)};
+}
+
+bool ViewFit::fits(const CameraDescription& description, double picture_aspect) const {
+  return aspect == picture_aspect && vertical_fov_degrees == description.vertical_fov_degrees.at(0);
+}
+
+// A point is in the picture where p_r - c_r <= t (c_b - p_b), and likewise at the other sides: c, the camera; r, b, the
+// picture's right and the way back; t, the tangent of half the angle of view. So p_r + t p_b is all that counts of it.
+void ViewFit::extend(const Points& points) {
+  const ViewAxes axes(from_the_front);
+  const double vertical = tangent_of(vertical_fov_degrees), horizontal = vertical * aspect;
+  for (const auto& row : points.rowwise()) {
+    const Vector3d point = row.transpose();
+    const double r = point.dot(axes.right), u = point.dot(axes.up), b = point.dot(axes.back);
+    right = std::max(right, r + horizontal * b);
+    left = std::max(left, -r + horizontal * b);
+    top = std::max(top, u + vertical * b);
+    bottom = std::max(bottom, -u + vertical * b);
+    near = std::max(near, b);
+    far = std::min(far, b);
+  }
+}
+
+Camera frame_camera(const CameraDescription& description, const ViewFit& fit, double time) {
+  if (fit.is_empty()) return frame_camera(description, Box(Vector3d(0, 0, 0), Vector3d(0, 0, 0)), fit.aspect, time);
+  const ViewAxes axes(from_the_front);
+  const double vertical = tangent_of(fit.vertical_fov_degrees), horizontal = vertical * fit.aspect;
+  // both sides touch what they are nearest to
+  const double depth = std::max({(fit.right + fit.left) / (2 * horizontal), (fit.top + fit.bottom) / (2 * vertical),
+                                 fit.near + 1e-3 * (fit.near - fit.far)});
+  const Vector3d across = (fit.right - fit.left) / 2 * axes.right + (fit.top - fit.bottom) / 2 * axes.up;
+  return camera_at(description, across + depth * axes.back, across + (fit.near + fit.far) / 2 * axes.back, time);
+}
+
+// The same for points that go once round: of each, the farthest place on its circle counts.
+TurntableFit turntable_fit(const CameraDescription& description, const Points& points, double aspect) {
+  const double vertical = tangent_of(description.vertical_fov_degrees.at(0)), horizontal = vertical * aspect;
+  const Vector3d front = from_the_front.normalized();
+  const double sine = front.y(), cosine = std::hypot(front.x(), front.z());
+  TurntableFit fit;
+  fit.center = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
+  double side = -ViewFit::infinite, top = side, bottom = side, near = side;
+  for (const auto& row : points.rowwise()) {
+    const Vector3d p = row.transpose() - fit.center;
+    const double radius = std::hypot(p.x(), p.z()), height = p.y();
+    side = std::max(side, radius * std::hypot(1, horizontal * cosine) + horizontal * height * sine);
+    top = std::max(top, height * (cosine + vertical * sine) + radius * std::abs(vertical * cosine - sine));
+    bottom = std::max(bottom, height * (vertical * sine - cosine) + radius * std::abs(vertical * cosine + sine));
+    near = std::max(near, height * sine + radius * cosine);
+  }
+  fit.distance = std::max({side / horizontal, (top + bottom) / (2 * vertical), 1.001 * near});
+  fit.height = (top - bottom) / 2;
+  return fit;
+}
+
+Camera turntable_camera(const CameraDescription& description, const TurntableFit& fit, double turn) {
+  const Eigen::AngleAxisd turned(2 * std::numbers::pi * turn, Vector3d::UnitY());
+  const ViewAxes axes(turned * from_the_front);
+  const Vector3d target = fit.center + fit.height * axes.up;
+  return camera_at(description, target + fit.distance * axes.back, target);
+}
 
 Camera frame_camera(const CameraDescription& description, const Box& box, double aspect, double time) {
   if (description.motion) return camera_of_file(description, box, time);
