@@ -14,6 +14,10 @@ endif()
 if(UMAX_ARCH)
   target_compile_options(umax_options INTERFACE -march=${UMAX_ARCH})
 endif()
+if(UMAX_ARCH STREQUAL "x86-64-v3")  # so that who asks for another instruction set still shares Eigen's memory
+  target_compile_definitions(umax_options INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=32>
+    $<INSTALL_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=32>)
+endif()
 if(UMAX_SANITIZE)
   target_compile_options(umax_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(umax_options INTERFACE -fsanitize=address,undefined)
