@@ -148,7 +148,7 @@ bool is_standard(const std::string& target) {
   static const std::set<std::string> of_system{"fcntl.h",     "unistd.h",     "spawn.h",        "dlfcn.h",
                                                "poll.h",      "sys/file.h",   "sys/ioctl.h",    "sys/mman.h",
                                                "sys/prctl.h", "sys/random.h", "sys/resource.h", "sys/stat.h",
-                                               "sys/wait.h",  "immintrin.h",  "malloc.h"};
+                                               "sys/time.h",  "sys/wait.h",   "immintrin.h",    "malloc.h"};
   return target.find_first_of("./") == std::string::npos || of_system.count(target) > 0;
 }
 
