@@ -21,21 +21,29 @@ double length_of(const RestSurface& surface, int t, int k) {
   return (corner_of(surface, t, (k + 1) % 3) - corner_of(surface, t, k)).norm();
 }
 
-bool is_large(const RestSurface& surface, int t, double spacing) {
-  return std::max({length_of(surface, t, 0), length_of(surface, t, 1), length_of(surface, t, 2)}) >
-         spacing * (1 + rounding);
+// [cells]
+double cells_along(const RestSurface& surface, int t, int k, const SurfaceSampling& sampling) {
+  return (sampling.to_cells * (corner_of(surface, t, (k + 1) % 3) - corner_of(surface, t, k))).norm();
 }
 
-double spacing_along(double sharpness, const SurfaceSampling& sampling) {
-  return std::min(sampling.spacing, 4 * sampling.ridge_depth / std::max(sharpness, 1e-300));
+bool is_large(const RestSurface& surface, int t, const SurfaceSampling& sampling) {
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, cells_along(surface, t, k, sampling));
+  return longest > sampling.spacing * (1 + rounding);
+}
+
+// [m]
+double spacing_along_ridge(double sharpness, const SurfaceSampling& sampling) {
+  return 4 * sampling.ridge_depth / std::max(sharpness, 1e-300);
 }
 
 // Is an edge between small triangles sharp and longer than its spacing, be it of a ridge or a groove?
 bool is_long_and_sharp(const RestSurface& surface, int t, int k, const SurfaceSampling& sampling) {
   const double half_cosine = surface.triangle_normals.row(t).dot(surface.edge_normals.row(3 * t + k));
   const double sharpness = 2 * std::sqrt(std::max(0.0, 1 - half_cosine * half_cosine));
-  return sharpness > clearly_sharp &&
-         length_of(surface, t, k) > std::max(spacing_along(sharpness, sampling), fine_share * sampling.spacing);
+  const double cells = cells_along(surface, t, k, sampling);
+  return sharpness > clearly_sharp && cells > fine_share * sampling.spacing &&
+         (cells > sampling.spacing || length_of(surface, t, k) > spacing_along_ridge(sharpness, sampling));
 }
 
 using EdgeKey = std::array<int, 2>;  // its vertices, ascending
@@ -80,23 +88,34 @@ double sharpness(const RestSurface& surface, const EdgeKey& key, const EdgeSides
   return (surface.triangle_normals.row(one.triangle) - surface.triangle_normals.row(other.triangle)).norm();
 }
 
-void add_along(const Vector3d& from, const Vector3d& to, double spacing, std::vector<Vector3d>& points) {
-  const int count = intervals((to - from).norm(), spacing);
-  for (int i = 1; i < count; ++i) points.emplace_back(from + double(i) / count * (to - from));
+// inner points of so many equal parts
+void add_along(const Vector3d& from, const Vector3d& to, int parts, std::vector<Vector3d>& points) {
+  for (int i = 1; i < parts; ++i) points.emplace_back(from + double(i) / parts * (to - from));
 }
 
-// rows of points along the longest edge, as far apart as in a lattice of equal triangles
-void add_within(const RestSurface& surface, int t, double spacing, std::vector<Vector3d>& points) {
+void add_along_edge(const RestSurface& surface, const EdgeKey& edge, const EdgeSides& sides,
+                    const SurfaceSampling& sampling, std::vector<Vector3d>& points) {
+  const Vector3d from = surface.vertices.row(edge[0]), to = surface.vertices.row(edge[1]);
+  const double of_ridge = spacing_along_ridge(sharpness(surface, edge, sides), sampling);
+  add_along(from, to,
+            std::max(intervals((sampling.to_cells * (to - from)).norm(), sampling.spacing),
+                     intervals((to - from).norm(), of_ridge)),
+            points);
+}
+
+// rows of points along the edge that is longest in cells, as far apart as in a lattice of equal triangles of cells
+void add_within(const RestSurface& surface, int t, const SurfaceSampling& sampling, std::vector<Vector3d>& points) {
   int longest = 0;
   for (int k = 1; k < 3; ++k)
-    if (length_of(surface, t, k) > length_of(surface, t, longest)) longest = k;
+    if (cells_along(surface, t, k, sampling) > cells_along(surface, t, longest, sampling)) longest = k;
   const Vector3d a = corner_of(surface, t, longest), b = corner_of(surface, t, (longest + 1) % 3),
                  apex = corner_of(surface, t, (longest + 2) % 3);
-  const double height = (b - a).cross(apex - a).norm() / (b - a).norm();
-  const int rows = intervals(height, std::sqrt(0.75) * spacing);
+  const Vector3d base = sampling.to_cells * (b - a), side = sampling.to_cells * (apex - a);  // [cells]
+  const int rows = intervals(base.cross(side).norm() / base.norm(), std::sqrt(0.75) * sampling.spacing);
   for (int row = 1; row < rows; ++row) {
     const double share = double(row) / rows;
-    add_along(a + share * (apex - a), b + share * (apex - b), spacing, points);
+    add_along(a + share * (apex - a), b + share * (apex - b), intervals((1 - share) * base.norm(), sampling.spacing),
+              points);
   }
 }
 
@@ -104,15 +123,13 @@ void add_within(const RestSurface& surface, int t, double spacing, std::vector<V
 
 Points sample_between_vertices(const RestSurface& surface, const SurfaceSampling& sampling) {
   std::vector<char> large(std::size_t(surface.triangles.rows()), 0);
-  for (int t = 0; t < int(surface.triangles.rows()); ++t)
-    large[std::size_t(t)] = is_large(surface, t, sampling.spacing);
+  for (int t = 0; t < int(surface.triangles.rows()); ++t) large[std::size_t(t)] = is_large(surface, t, sampling);
   std::vector<Vector3d> points;
   for (const auto& [key, sides] : edges_of(surface, large, sampling))
-    add_along(surface.vertices.row(key[0]), surface.vertices.row(key[1]),
-              spacing_along(sharpness(surface, key, sides), sampling), points);
+    add_along_edge(surface, key, sides, sampling, points);
   std::vector<int> corners;
   for (int t = 0; t < int(surface.triangles.rows()); ++t) {
-    if (large[std::size_t(t)]) add_within(surface, t, sampling.spacing, points);
+    if (large[std::size_t(t)]) add_within(surface, t, sampling, points);
     for (int k = 0; k < 3; ++k)
       if (surface.triangles(t, k) >= sampling.num_given) corners.push_back(surface.triangles(t, k));
   }

@@ -105,6 +105,19 @@ TEST_CASE("a surface that is fine beside its spacing gets no points, and a numbe
   CHECK(points.rows() < 6000);
 }
 
+TEST_CASE("beside flat cells points lie closer across them than along them") {
+  const RestSurface tent = make_tent(0.05);
+  const Vector3d cells_per_metre(4, 200, 4);
+  const SurfaceSampling sampling{.spacing = 0.25,
+                                 .ridge_depth = 0.002,
+                                 .num_given = tent.vertices.rows(),
+                                 .to_cells = cells_per_metre.asDiagonal()};
+  const Points points = with_vertices(sample_between_vertices(tent, sampling), tent);
+  const RestSurface in_cells = make_rest_surface(tent.vertices * sampling.to_cells, tent.triangles);
+  CHECK(largest_hole(in_cells, points * sampling.to_cells) < 0.25);
+  CHECK(points.rows() < 8000);  // a quarter of the flat edge apart they would be 300,000
+}
+
 TEST_CASE("corners that are not given are among the points, once") {
   const RestSurface tent = make_tent(1);
   const SurfaceSampling given{.spacing = 10, .ridge_depth = 10, .num_given = 6};

@@ -83,6 +83,13 @@ std::string wait_for_pictures(int count) {
   return wait_until(fmt::format("[ $(ls \"$1/frames\" 2>/dev/null | grep -c '^[0-9]') -ge {} ]", count));
 }
 
+/// Kills the script's last process in the middle of a frame: while it holds one of which there is no picture yet.
+const std::string kill_in_a_frame =
+    "draws() { for held in \"$1\"/.umax/frame-*; do n=${held##*/frame-}; "
+    "[ -e \"$held\" ] && [ ! -e \"$1/frames/${n:0:4}.png\" ] && return; done; return 1; }; "
+    "stop() { kill -STOP $!; sleep 0.05; draws \"$1\" || { kill -CONT $!; return 1; }; }; " +
+    wait_until("stop \"$1\"") + "kill -KILL $!; wait; ";
+
 /// Whether a process may have another host's name, as root may.
 bool has_other_hosts() {
   return run_process({"bash", "-c", "unshare --uts hostname another-host"}).exit_code == 0;
@@ -294,12 +301,12 @@ TEST_CASE("work is shared with another host, and what it leaves when it dies is 
 
   // it dies in the middle of a frame: here the file of a process that is gone looks like that of a living one elsewhere
   for (const char* log : {"1.log", "2.log"}) fs::remove(folder / log);
-  run_script("export UMAX_LEASE=2; " + there + "> \"${1%/*}/1.log\" & sleep 0.1; " + wait_for_pictures(3) +
-                 "kill -KILL $!; wait",
-             lost);
+  run_script(
+      "export UMAX_LEASE=2; " + there + "> \"${1%/*}/1.log\" & sleep 0.1; " + wait_for_pictures(3) + kill_in_a_frame,
+      lost);
   const std::size_t drawn = frames_done(folder.path()).size();
   CHECK(drawn < clip_frames);
-  const ProcessResult rest = run_script("time " + here + "> \"${1%/*}/2.log\"", lost);
+  const ProcessResult rest = run_script(here + "> \"${1%/*}/2.log\"", lost);
   CHECK(rest.exit_code == 0);
   CHECK(file_text(folder / "2.log").find("waiting for frames") != std::string::npos);
   check_same_pictures(one, lost);

@@ -99,7 +99,9 @@ TEST_CASE("a deadline ends a run with what is complete, and it goes on") {
   CHECK(!has_half_written_files(run));
   const std::size_t states = files_in(folder / "run/states").size();
   REQUIRE(states > 1);
-  CHECK(exit_code_of(simulate + Words{"600ms", "--resume"}) == 75);
+  for (const char* longer : {"600ms", "3 s", "20 s"})  // as long as a busy machine needs
+    if (files_in(folder / "run/states").size() == states)
+      CHECK(exit_code_of(simulate + Words{longer, "--resume"}) == 75);
   CHECK(files_in(folder / "run/states").size() > states);
   for (const char* deadline : {"soon", "0", "-1 h", "3 kg"})
     CHECK(exit_code_of({"simulate", scene, "-o", run, "--resume", "--deadline", deadline}) == 2);

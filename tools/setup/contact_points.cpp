@@ -10,9 +10,9 @@ namespace {
 constexpr double largest_spacing = 0.25;  // [cells]
 constexpr double ridge_depth = 0.01;      // [cells]
 
-// [m] of a regular cage's cells the smallest edge, of other hexes the mean one
-double cell_size(const Lattice& lattice) {
-  if (lattice.is_regular()) return lattice.cell_size.minCoeff();
+// [m] edges of a regular cage's cells, of other hexes the mean length
+Vector3d cell_edges(const Lattice& lattice) {
+  if (lattice.is_regular()) return lattice.cell_size;
   double sum = 0;
   for (Eigen::Index e = 0; e < lattice.num_hexes(); ++e)
     for (int n = 0; n < 8; ++n)
@@ -21,7 +21,7 @@ double cell_size(const Lattice& lattice) {
           sum +=
               (lattice.rest_positions.row(lattice.hexes(e, n)) - lattice.rest_positions.row(lattice.hexes(e, n | bit)))
                   .norm();
-  return sum / (12 * double(lattice.num_hexes()));
+  return Vector3d::Constant(sum / (12 * double(lattice.num_hexes())));
 }
 
 // those that lie in the lattice
@@ -37,12 +37,15 @@ EmbeddedPoints embed_inside(const Points& points, const Lattice& lattice) {
 
 EmbeddedPoints points_between_vertices(const BodySetup& setup, const Body& body) {
   const TriangleMesh& mesh = setup.shape.mesh;
-  const double cell = cell_size(setup.lattice);
-  const SurfaceSampling sampling{
-      .spacing = largest_spacing * cell, .ridge_depth = ridge_depth * cell, .num_given = mesh.num_vertices()};
+  const Vector3d edges = cell_edges(setup.lattice);
+  SurfaceSampling sampling{.spacing = largest_spacing,
+                           .ridge_depth = ridge_depth * edges.minCoeff(),
+                           .num_given = mesh.num_vertices(),
+                           .to_cells = edges.cwiseInverse().asDiagonal()};
   if (!body.rest_surface)
     return embed_inside(sample_between_vertices(make_rest_surface(mesh.positions, mesh.triangles), sampling),
                         setup.lattice);
+  sampling.to_cells = sampling.to_cells * body.rest_pose.rotation;
   Points points = sample_between_vertices(*body.rest_surface, sampling);
   for (auto point : points.rowwise()) point = body.rest_pose.world(point.transpose()).transpose();
   return embed_inside(points, setup.lattice);
