@@ -8,7 +8,13 @@
 namespace umax {
 namespace {
 
-constexpr int sweeps_between = 20;           // tries of Newton's method; after one that failed, twice as many
+constexpr std::size_t mixed_sweeps = 8;  // of which the mean is taken
+constexpr int sweeps_between_means = 3;  // else sets of contacts that push and slide have no time to settle
+constexpr double spoiling_growth = 2;    // of what a sweep changes: from there on earlier sweeps tell nothing
+constexpr int sweeps_between = 20;       // tries of Newton's method; after one that failed, twice as many
+constexpr double kept_product = 1e-12, most_weight = 1e4;  // [-] of means of sweeps that are nearly alike
+constexpr double near = 1e-4;                // [-] what is left where sets may be right: Newton's method needs them
+constexpr int few = 50;                      // contacts: of so few a try costs nothing
 constexpr int newton_steps = 8;              // a try
 constexpr std::size_t most_in_newton = 500;  // contacts: its matrix is dense
 constexpr double kept_compliance = 1e-9;     // [-] of a contact's own, that holds forces which change nothing
@@ -240,6 +246,49 @@ bool try_newton(const ContactProblem& problem, double tolerance, ContactState& s
   return kept;
 }
 
+// The last sweeps: what they changed of the forces, and what they ended at.
+struct Sweeps {
+  std::vector<VectorXd> changes;
+  std::vector<ContactState> ends;
+  int since_mean = 0;
+};
+
+void add(const VectorXd& before, const ContactState& end, Sweeps& sweeps) {
+  VectorXd change = end.forces - before;
+  const bool is_spoilt = !sweeps.changes.empty() && change.norm() > spoiling_growth * sweeps.changes.back().norm();
+  if (is_spoilt) sweeps = {};
+  if (sweeps.changes.size() == mixed_sweeps) {
+    sweeps.changes.erase(sweeps.changes.begin());
+    sweeps.ends.erase(sweeps.ends.begin());
+  }
+  sweeps.changes.push_back(std::move(change));
+  sweeps.ends.push_back(end);
+}
+
+// Moves the state from the end of the last sweep to the mean of the last ends, weighted so that the same mean of their
+// changes is least; weights add up to 1, and may be negative.
+void take_mean(Sweeps& sweeps, ContactState& state) {
+  const auto earlier = Eigen::Index(sweeps.changes.size()) - 1;
+  if (earlier < 1 || ++sweeps.since_mean % sweeps_between_means != 0) return;
+  MatrixXd against_last(sweeps.changes.back().size(), earlier);
+  for (Eigen::Index i = 0; i < earlier; ++i)
+    against_last.col(i) = sweeps.changes[std::size_t(i)] - sweeps.changes.back();
+  MatrixXd products = against_last.transpose() * against_last;
+  products.diagonal().array() += kept_product * products.trace();
+  const VectorXd weights = products.ldlt().solve(-against_last.transpose() * sweeps.changes.back());
+  if (!weights.allFinite() || weights.lpNorm<1>() > most_weight) {
+    sweeps = {};
+    return;
+  }
+  const ContactState last = state;
+  for (Eigen::Index i = 0; i < earlier; ++i) {
+    const ContactState& end = sweeps.ends[std::size_t(i)];
+    state.forces += weights[i] * (end.forces - last.forces);
+    for (std::size_t b = 0; b < state.motions.size(); ++b)
+      state.motions[b] += weights[i] * (end.motions[b] - last.motions[b]);
+  }
+}
+
 }  // namespace
 
 GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
@@ -250,15 +299,21 @@ GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<Con
   problem.free_motions = motions_of(problem, VectorXd::Zero(forces.size()));
   ContactState state{forces, motions_of(problem, forces)};
   GaussSeidelResult result;
+  Sweeps sweeps;
   int between = sweeps_between, next_try = between;
   while (!result.converged && result.sweeps < options.max_sweeps) {
     ++result.sweeps;
     const ContactState before = state;
     result.converged = sweep(problem, state).are_within(options.tolerance) ||
                        moves_nothing(problem, before, state, 0.1 * options.tolerance);
-    if (result.converged || result.sweeps < next_try) continue;
-    if (!try_newton(problem, options.tolerance, state)) between *= 2;
-    next_try = result.sweeps + between;
+    if (result.converged) break;
+    add(before.forces, state, sweeps);
+    take_mean(sweeps, state);
+    if (result.sweeps < next_try) continue;
+    const bool tries = problem.count() <= few || what_is_left(problem, state) <= near;
+    if (tries && !try_newton(problem, options.tolerance, state)) between *= 2;
+    if (tries) sweeps = {};
+    next_try = result.sweeps + (tries ? between : sweeps_between);
   }
   forces = state.forces;
   return result;

@@ -1,9 +1,11 @@
 // Forces of frictional contacts whose motions are W f + q (core/step/delassus.h), in the bodies' exact compliance.
 //
 // Projected Gauss-Seidel (core/contact/gauss_seidel.h) finds which contacts push, stick and slide, but creeps where they
-// depend on each other: two thousand sweeps may not settle a pile. Every few sweeps a semi-smooth Newton step on all that
-// push is tried (Alart and Curnier 1991, A mixed formulation for frictional contact problems prone to Newton like
-// solution methods), and kept if what is left falls. Where the sets are right, one step is the solution.
+// depend on each other: two thousand sweeps may not settle a pile. So every few sweeps go on from the mean of the last
+// ones whose change is least (Anderson's acceleration: Walker and Ni 2011, Anderson acceleration for fixed-point
+// iterations), and when little is left a semi-smooth Newton step on all that push is tried (Alart and Curnier 1991, A mixed
+// formulation for frictional contact problems prone to Newton like solution methods), and kept if what is left falls. Where
+// the sets are right, one step is the solution.
 //
 // Natural map   n: f_n - max(0, f_n - (w_n + b) / k_n);   t: f_t - disc(f_t - w_t / k_t; mu f_n)
 //

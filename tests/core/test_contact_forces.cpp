@@ -93,6 +93,18 @@ TEST_CASE("Newton steps settle in tens of sweeps what sweeps alone do not in tho
   CHECK(violation(sample, forces) < 1e-6);
 }
 
+TEST_CASE("means of sweeps settle many contacts that depend on each other, which sweeps alone hardly move") {
+  const Sample sample = random_sample(5, 80, 0, 0.02);
+  const GaussSeidelOptions options{.max_sweeps = 2000, .tolerance = 1e-6};
+  VectorXd forces = VectorXd::Zero(sample.q.size()), swept = forces;
+  const GaussSeidelResult with_means = solve_contacts(sample.delassus, sample.rows, sample.q, options, forces);
+  const GaussSeidelResult alone = gauss_seidel({dense(sample.delassus), sample.q, sample.rows, 0}, options, swept);
+  CAPTURE(with_means.sweeps, alone.sweeps, violation(sample, forces), violation(sample, swept));
+  CHECK(with_means.converged);
+  CHECK(with_means.sweeps < 400);
+  CHECK(alone.sweeps > 1500);
+}
+
 TEST_CASE("forces that are right stay as they are") {
   const Sample sample = random_sample(11, 12, 0);
   VectorXd forces = VectorXd::Zero(sample.q.size());
