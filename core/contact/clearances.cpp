@@ -48,6 +48,7 @@ double way_against(const Encounter& encounter, const std::vector<Motions>& motio
 void complete(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
               const Points& positions, double margin, Clearances& clearances) {
   Encounters& encounters = clearances.encounters;
+  if (encounters.expected.rows() == 0) encounters = find_encounters(model, touchable, hex_starts, positions, margin);
   clearances.of_encounters.resize(encounters.all.size());
   const std::vector<char> left = left_margin(model, encounters, positions, margin);
   if (std::find(left.begin(), left.end(), 1) == left.end()) return;

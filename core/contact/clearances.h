@@ -1,10 +1,12 @@
-// What searches of a step remember: how far hexes may still move against a body before a vertex of theirs can touch it.
+// What searches remember, also from step to step: how far hexes may still move against a body before a vertex of theirs
+// can touch it.
 //
 // A vertex that is outside a body by a distance c, or outside all of its hexes by c, is still so while the sum of the ways
 // that the hexes have moved against each other since, from one search to the next, is below c. So most vertices are
-// looked at once a step. Nothing that is found depends on it.
+// looked at once, and those of a pile at rest once in many steps. Nothing that is found depends on it.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/contact/encounters.h"
@@ -18,6 +20,7 @@ struct Clearances {
     std::vector<double>
         until;  // of that, per vertex of the hex in the order of VertexClusters::points: it cannot touch
                 // before
+    double least = -std::numeric_limits<double>::infinity();  // of these, or less
   };
   Points positions;       // #N x 3 [m] of the last search; none yet: empty
   Encounters encounters;  // complete around the positions
@@ -25,7 +28,7 @@ struct Clearances {
 };
 
 /// Encounters that are complete at the positions: those of bodies that have left the margin [cells] around where they were
-/// expected are found anew, and their vertices looked at anew.
+/// expected are found anew, and their vertices looked at anew; all of them where there are none yet.
 void complete(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
               const Points& positions, double margin, Clearances& clearances);
 

@@ -204,7 +204,8 @@ Contact make_surface_contact(const Model& model, int vertex, int hex, int other_
 }
 
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
-                               const Points& expected, double time_t0, double time_step, double gravity) {
+                               const Points& expected, double time_t0, double time_step, double gravity,
+                               std::shared_ptr<Clearances> known) {
   ContactStep step;
   step.model = &model;
   step.geometry = &geometry;
@@ -216,10 +217,9 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   }
   for (const Model::BodyRange& body : model.bodies)
     step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
-  step.clearances = std::make_shared<Clearances>();
+  step.clearances = known ? std::move(known) : std::make_shared<Clearances>();
   if (geometry.touchable.any())
-    step.clearances->encounters =
-        find_encounters(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin);
+    complete(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin, *step.clearances);
   return step;
 }
 

@@ -116,9 +116,11 @@ struct ContactStep {
   std::shared_ptr<Clearances> clearances;  // what searches remember; never decides what they find
   DeepStart deep_start;                    // of bodies
 };
-/// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size.
+/// expected: #N x 3 [m] where nodes go if nothing holds them. gravity: [m/s^2] its size. known: what searches remember of
+/// the step before, which this one goes on from; null: nothing.
 ContactStep begin_contact_step(const Model& model, const ContactGeometry& geometry, const Points& positions_t0,
-                               const Points& expected, double time_t0, double time_step, double gravity);
+                               const Points& expected, double time_t0, double time_step, double gravity,
+                               std::shared_ptr<Clearances> known = nullptr);
 
 /// Depths [m] that a vertex may have at the end of the step, by how deep it was at the start.
 struct AllowedDepth {

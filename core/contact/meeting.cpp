@@ -8,6 +8,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;  // [-] of distances
+constexpr int worth_a_look = 4;    // vertices of a cluster: fewer are looked at one by one
 
 // how far nodes of the two hexes move against each other between two sets of positions [m]
 double largest_motion(const Model& model, const Points& from, const Points& to, int a, int b) {
@@ -31,6 +32,13 @@ const int* first_vertex(const VertexClusters& clusters, int hex) {
   return clusters.points.data() + clusters.all[std::size_t(clusters.hex_starts[hex])].first;
 }
 
+std::size_t num_vertices(const VertexClusters& clusters, int hex) {
+  std::size_t count = 0;
+  for (int c = clusters.hex_starts[hex]; c < clusters.hex_starts[hex + 1]; ++c)
+    count += std::size_t(clusters.all[std::size_t(c)].count);
+  return count;
+}
+
 Support vertex_support(const Meeting& meeting, int k) {
   return {meeting.hex, meeting.model.surface.weights.row(meeting.vertices[k]).transpose()};
 }
@@ -48,39 +56,52 @@ double clear_until(const Meeting& meeting, double clear) {
   return meeting.clearance.way + (1 - rounding) * clear;
 }
 
-// What bounds tell of the vertices of a hex that is met for the first time: of clusters, and where these are near, of each.
-void begin(const Meeting& meeting) {
-  const int first_cluster = meeting.clusters.hex_starts[meeting.hex],
-            end_cluster = meeting.clusters.hex_starts[meeting.hex + 1];
-  std::vector<double>& until = meeting.clearance.until;
+// What bounds tell of the vertices of a cluster, the first of which is `first`: of all together, and where these are near,
+// of each.
+void look_at_cluster(const Meeting& meeting, const VertexCluster& cluster, int first) {
+  const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
+  double least = infinity;
   std::vector<const OtherHex*> near;
-  for (int c = first_cluster; c < end_cluster; ++c) {
+  for (const OtherHex& other : meeting.others) {
+    const double clear = clear_of(meeting, other, sphere.centre, sphere.radius);
+    if (clear > 0)
+      least = std::min(least, clear);
+    else
+      near.push_back(&other);
+  }
+  for (int k = first; k < first + cluster.count; ++k) {
+    double of_vertex = least;
+    if (!near.empty()) {
+      const Vector3d position = meeting.nodes.transpose() * vertex_support(meeting, k).weights;
+      for (const OtherHex* other : near) of_vertex = std::min(of_vertex, clear_of(meeting, *other, position, 0));
+    }
+    double& until = meeting.clearance.until[std::size_t(k)];
+    until = std::max(until, clear_until(meeting, of_vertex));
+  }
+}
+
+// The same of those clusters of the hex of which at least so many vertices may touch by what is known.
+void look_at_clusters(const Meeting& meeting, int least_near) {
+  const std::vector<double>& until = meeting.clearance.until;
+  int first = 0;
+  for (int c = meeting.clusters.hex_starts[meeting.hex]; c < meeting.clusters.hex_starts[meeting.hex + 1]; ++c) {
     const VertexCluster& cluster = meeting.clusters.all[std::size_t(c)];
-    const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
-    double least = infinity;
-    near.clear();
-    for (const OtherHex& other : meeting.others) {
-      const double clear = clear_of(meeting, other, sphere.centre, sphere.radius);
-      if (clear > 0)
-        least = std::min(least, clear);
-      else
-        near.push_back(&other);
-    }
-    for (int k = 0; k < cluster.count; ++k) {
-      double of_vertex = least;
-      if (!near.empty()) {
-        const Vector3d position = meeting.nodes.transpose() * vertex_support(meeting, int(until.size())).weights;
-        for (const OtherHex* other : near) of_vertex = std::min(of_vertex, clear_of(meeting, *other, position, 0));
-      }
-      until.push_back(clear_until(meeting, of_vertex));
-    }
+    const auto begin = until.begin() + first;
+    const auto near =
+        std::count_if(begin, begin + cluster.count, [&](double value) { return !(value > meeting.clearance.way); });
+    if (near >= least_near) look_at_cluster(meeting, cluster, first);
+    first += cluster.count;
   }
 }
 
 void find_near(Meeting& meeting) {
   const std::vector<double>& until = meeting.clearance.until;
-  for (int k = 0; k < int(until.size()); ++k)
+  double& least = meeting.clearance.least;
+  least = infinity;
+  for (int k = 0; k < int(until.size()); ++k) {
+    least = std::min(least, until[std::size_t(k)]);
     if (!(until[std::size_t(k)] > meeting.clearance.way)) meeting.near.push_back(k);
+  }
   std::sort(meeting.near.begin(), meeting.near.end(),
             [&](int a, int b) { return std::pair(until[std::size_t(a)], a) < std::pair(until[std::size_t(b)], b); });
 }
@@ -98,14 +119,14 @@ Search search_at(const ContactStep& step, const Points& positions) {
   return search;
 }
 
-ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const Points& positions) {
+ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                    std::shared_ptr<Clearances> known) {
   ContactStep step;
   step.model = &model;
   step.geometry = &geometry;
   step.positions_t0 = positions;
   step.recovery.assign(model.bodies.size(), 0);
-  step.clearances = std::make_shared<Clearances>();
-  step.clearances->encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, positions, 0);
+  step.clearances = known ? std::move(known) : std::make_shared<Clearances>();
   return step;
 }
 
@@ -125,19 +146,17 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   {},
                   {},
                   search.clearances.of_encounters[i]};
-  const bool is_known = !meeting.clearance.until.empty();
-  if (is_known) find_near(meeting);
-  if (is_known && meeting.near.empty()) return meeting;
+  if (meeting.clearance.least > meeting.clearance.way) return meeting;
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
   for (const int other : encounter.others) {
     const HexBounds& bounds = search.bounds[std::size_t(other)];
     meeting.others.push_back(
         {other, &bounds, bounds.largest_inverse * largest_motion(model, before, positions, encounter.hex, other)});
   }
-  if (!is_known) {
-    begin(meeting);
-    find_near(meeting);
-  }
+  std::vector<double>& until = meeting.clearance.until;
+  if (until.empty()) until.assign(num_vertices(meeting.clusters, encounter.hex), -infinity);
+  look_at_clusters(meeting, worth_a_look);
+  find_near(meeting);
   return meeting;
 }
 

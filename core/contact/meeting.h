@@ -23,8 +23,9 @@ struct Search {
 };
 Search search_at(const ContactStep& step, const Points& positions);
 
-/// A step in which nothing moves.
-ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const Points& positions);
+/// A step in which nothing moves. known: as of begin_contact_step(), of steps at rest.
+ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                    std::shared_ptr<Clearances> known = nullptr);
 
 /// A hex of the touched body as its vertices' hex sees it.
 struct OtherHex {

@@ -130,9 +130,10 @@ VectorXd overlap_depths(const Model& model, const ContactGeometry& geometry, con
   return depths;
 }
 
-double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions) {
+double max_surface_penetration(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                               std::shared_ptr<Clearances> known) {
   if (!geometry.touchable.any()) return 0;
-  const ContactStep step = at_rest(model, geometry, positions);
+  const ContactStep step = at_rest(model, geometry, positions, std::move(known));
   const Search search = search_at(step, positions);
   VectorXd depths = VectorXd::Zero(Eigen::Index(search.clearances.encounters.all.size()));
   for_each_encounter(search, [&](std::size_t i, const Encounter&) {

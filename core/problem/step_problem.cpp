@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/contact/clearances.h"
 #include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
 
@@ -63,14 +64,15 @@ Materials materials_at(const Model& model, double time) {
 }
 
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
-                       const ContactGeometry& geometry, const State& state) {
+                       const ContactGeometry& geometry, const State& state, std::shared_ptr<Clearances> known) {
   const double h = options.time_step;
   const VectorXd damping_stiffness = stiffness_damping(model, state.time + h);
   const bool damped = (damping_stiffness.array() > 0).any();
   ContactStep contact = begin_contact_step(model, geometry, state.positions, state.positions + h * state.velocities,
-                                           state.time, h, options.gravity.norm());
+                                           state.time, h, options.gravity.norm(), std::move(known));
   contact.surfaces_touch = options.solver.method == SolverMethod::exact;  // the paper has obstacles alone
   if (may_start_deep(contact, state)) contact.deep_start = find_deep_start(contact);
+  if (!contact.deep_start.ways_out.empty()) contact.clearances->of_encounters.clear();  // gaps there are of other kinds
   Materials materials = materials_at(model, state.time + h);
   StepPins pins = pins_at(model, options.pulls, materials.young, state.time + h, h);
   return {

@@ -36,8 +36,10 @@ struct StepProblem {
 };
 
 /// What the step from the state to one time step later solves. Keeps the addresses of model, options and geometry.
+/// known: as of begin_contact_step().
 StepProblem begin_step(const Model& model, const StepOptions& options, const LinearPlan& plan,
-                       const ContactGeometry& geometry, const State& state);
+                       const ContactGeometry& geometry, const State& state,
+                       std::shared_ptr<Clearances> known = nullptr);
 
 /// Throws Error (bad_data) unless StepOptions::forces has no rows, or a finite one for each node.
 void require_forces(const Model& model, const Points& forces);

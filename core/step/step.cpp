@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/contact/clearances.h"
 #include "core/contact/moving_obstacle.h"
 #include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
@@ -47,11 +48,12 @@ void measure_energies(const Model& model, const StepOptions& options, const Stat
   for (const double energy : elastic) report.elastic_energy += energy;
 }
 
+// known: what the searches of the measurements before remember
 void measure_into(const Model& model, const StepOptions& options, const ContactGeometry& geometry, const State& state,
-                  StepReport& report) {
+                  const std::shared_ptr<Clearances>& known, StepReport& report) {
   report.max_energy_ratio = model.num_hexes() ? energy_ratios(model, options.solver, state).maxCoeff() : 0;
   report.max_penetration = std::max(max_penetration(model, geometry, state.positions, state.time),
-                                    max_surface_penetration(model, geometry, state.positions));
+                                    max_surface_penetration(model, geometry, state.positions, known));
   measure_energies(model, options, state, report);
 }
 
@@ -126,10 +128,12 @@ StepReport advance(const Model& model, const StepOptions& options, const LinearP
                         (exact && moves_too_fast(model, data.contact_geometry, options, state))))
     return advance_halves(model, options, plan, data, state, {left.failed, left.fast - 1});
   const State start = state;
-  const StepProblem problem = begin_step(model, options, plan, data.contact_geometry, state);
+  const StepProblem problem =
+      begin_step(model, options, plan, data.contact_geometry, state, std::move(data.clearances));
   const bool may_be_halved = exact && left.failed > 0 && start.been_feasible;
   StepReport report = exact ? exact_step(problem, may_be_halved, data, state) : paper_step(problem, data, state);
   state.time = start.time + options.time_step;
+  if (problem.contact.deep_start.ways_out.empty()) data.clearances = problem.contact.clearances;
   if (!may_be_halved || report.status != StepStatus::iteration_limit) return report;
 
   state = start;
@@ -262,7 +266,9 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   StepReport report = advance_pinned(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;
   ++next.step;
-  measure_into(model, options, workspace.data().contact_geometry, next, report);
+  Workspace::Data& data = workspace.data();
+  if (!data.measured) data.measured = std::make_shared<Clearances>();
+  measure_into(model, options, data.contact_geometry, next, data.measured, report);
   next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
   const bool is_pinned = &pinned_model(model, next.time, workspace.data()) != &model;  // pins beat limits
   if (!next.been_feasible || (is_pinned && report.max_energy_ratio > 1 + options.solver.tolerance))
@@ -273,7 +279,7 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
 
 StepReport measure(const Model& model, const StepOptions& options, const State& state) {
   StepReport report;
-  measure_into(model, options, make_contact_geometry(model), state, report);
+  measure_into(model, options, make_contact_geometry(model), state, nullptr, report);
   return report;
 }
 

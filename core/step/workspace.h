@@ -27,6 +27,8 @@ struct Workspace::Data {
   DirectSystem all;                  // the paper's method's: of all bodies
   std::optional<MultigridSystem> multigrid;
   std::vector<std::unique_ptr<Island>> islands;  // of the last step, where bodies were solved apart
+  std::shared_ptr<Clearances> clearances;        // of the last step's searches, where no bodies started deep
+  std::shared_ptr<Clearances> measured;          // of searches that measure how deep bodies are inside each other
   std::vector<std::vector<char>> active_pins;    // per body, for which `pinned` was made
   std::unique_ptr<Model> pinned;                 // core/step/pinned_model.h
 

@@ -2,6 +2,7 @@
 #include "core/contact/clearances.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
+#include "core/contact/surface_overlap.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/touchable.h"
@@ -51,6 +52,38 @@ TEST_CASE("a search that remembers finds what one finds that begins anew, wherev
     most = std::max(most, int(found.size()));
   }
   if (stride > 1e-2) CHECK(most > 5);
+}
+
+TEST_CASE("a step that goes on from what the last one remembers finds what one finds that begins anew") {
+  const Model model = make_model(
+      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.445, 0.15}, 0.13)}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const double stride = GENERATE(1e-4, 3e-3);  // [m] a look; cells are 0.1 m
+  CAPTURE(stride);
+  Random random(3);
+  Points start = model.rest_positions;
+  std::shared_ptr<Clearances> known;
+  const auto measured = std::make_shared<Clearances>();
+  int found_in_all = 0;
+  for (int step = 0; step < 12; ++step) {
+    const double fall = step < 8 ? 8e-3 : -5e-3;
+    Points expected = start;
+    expected.middleRows(model.bodies[1].first_node, model.bodies[1].num_nodes).col(1).array() -= fall;
+    const ContactStep going_on = begin_contact_step(model, geometry, start, expected, 0, 1e3, 0, known);
+    known = going_on.clearances;
+    Points positions = expected;
+    for (int look = 0; look < 4; ++look) {
+      for (double& value : positions.reshaped()) value += random.uniform(-1, 1) * stride;
+      const std::vector<Contact> found = surface_candidates(going_on, start, positions, 0);
+      CAPTURE(step, look);
+      REQUIRE(are_equal(found, surface_candidates(fresh_step(model, geometry, start, positions), start, positions, 0)));
+      REQUIRE(max_surface_penetration(model, geometry, positions) ==
+              max_surface_penetration(model, geometry, positions, measured));
+      found_in_all += int(found.size());
+    }
+    start = positions;
+  }
+  CHECK(found_in_all > 5);
 }
 
 TEST_CASE("looks at what has hardly moved are few") {
