@@ -29,6 +29,13 @@ std::vector<Layer> decode_exr(std::string_view bytes, const std::string& name);
 Image decode_hdr(std::string_view bytes, const std::string& name);
 std::string encode_exr(const std::vector<Layer>& layers, const ExrHeader& header, const std::string& name);
 
+/// Whether so many bytes of a file can hold what comes to `count` bytes when they are unpacked, for which memory is to be
+/// taken: no format makes more than that of a byte, but in pictures so small that it does not matter.
+constexpr bool can_hold(std::size_t file_bytes, std::size_t count, std::size_t most_per_byte) {
+  constexpr std::size_t small = 1u << 22;
+  return count <= small + most_per_byte * file_bytes;
+}
+
 /// Throws Error 65 "is not a whole picture".
 [[noreturn]] inline void fail_data(const std::string& name, const std::string& what) {
   throw Error(Fault::bad_data, {name, what, "", "give a whole PNG, JPEG, EXR or HDR file"});

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <map>
 
+#include "render/image/exr_promises.h"
 #include "render/image/image_codecs.h"
 
 namespace umax::codec {
@@ -110,12 +111,12 @@ void describe(const ExrHeader& about, Imf::Header& header) {
 }
 
 std::vector<Layer> read_layers(std::string_view bytes, const std::string& name) {
+  if (const std::string broken = broken_exr_promise(bytes); !broken.empty())
+    fail_data(name, "is a damaged EXR (" + broken + ")");
   MemoryReader stream(bytes, name);
   Imf::InputFile file(stream);
   const auto window = file.header().dataWindow();
   const long long width = 1LL + window.max.x - window.min.x, height = 1LL + window.max.y - window.min.y;
-  if (width < 1 || height < 1 || width > max_extent || height > max_extent || std::size_t(width * height) > max_pixels)
-    fail_data(name, "is a damaged EXR (absurd size)");
 
   std::vector<Layer> layers;
   const auto groups = group_channels(file.header().channels());

@@ -29,6 +29,12 @@ Image image_from_codes(const codec::Codes& codes, PngValues png_values) {
   return image;
 }
 
+Image colors_of(std::vector<Layer> layers, const std::string& name) {
+  Image& image = layers.front().image;
+  if (image.channels == 2) codec::fail_data(name, "has two channels where a picture has one, three or four");
+  return std::move(image);
+}
+
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, PngValues png_values) {
@@ -38,7 +44,7 @@ Image read_image(const std::filesystem::path& path, PngValues png_values) {
 Image decode_image(std::string_view bytes, const std::string& name, PngValues png_values) {
   if (codec::is_jpeg(bytes)) return image_from_codes(codec::decode_jpeg(bytes, name), png_values);
   if (codec::is_png(bytes)) return image_from_codes(codec::decode_png(bytes, name), png_values);
-  if (codec::is_exr(bytes)) return codec::decode_exr(bytes, name).front().image;
+  if (codec::is_exr(bytes)) return colors_of(codec::decode_exr(bytes, name), name);
   if (codec::is_hdr(bytes)) return codec::decode_hdr(bytes, name);
   codec::fail_data(name, bytes.empty() ? "is empty" : "is no picture of a known format");
 }

@@ -44,8 +44,13 @@ void mix_inks(const JSAMPLE* inks, bool inverted, std::uint16_t* color) {
   for (int c = 0; c < 3; ++c) color[c] = std::uint16_t((inverted ? inks[c] : 255 - inks[c]) * black / 255);
 }
 
-void read_rows(jpeg_decompress_struct& jpeg, JpegReader& reader) {
+/// Of the component that is not subsampled no block of 8 x 8 numbers takes less than a bit; there are up to four.
+constexpr std::size_t most_per_byte = 8 * 64 * 4;
+
+void read_rows(std::size_t file_bytes, jpeg_decompress_struct& jpeg, JpegReader& reader) {
   jpeg_read_header(&jpeg, TRUE);
+  const std::size_t numbers = std::size_t(jpeg.image_width) * jpeg.image_height * std::size_t(jpeg.num_components);
+  if (!can_hold(file_bytes, numbers, most_per_byte)) ERREXIT(&jpeg, JERR_INPUT_EOF);
   if (std::size_t(jpeg.image_width) * jpeg.image_height > max_pixels)
     ERREXIT1(&jpeg, JERR_IMAGE_TOO_BIG, unsigned(max_extent));
   const bool inks = jpeg.num_components == 4;
@@ -73,7 +78,7 @@ bool run_reader(std::string_view bytes, jpeg_decompress_struct& jpeg, JpegReader
   if (setjmp(reader.give_up)) return false;
   jpeg_create_decompress(&jpeg);
   jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), (unsigned long)(bytes.size()));
-  read_rows(jpeg, reader);
+  read_rows(bytes.size(), jpeg, reader);
   return true;
 }
 

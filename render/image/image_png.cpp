@@ -9,8 +9,11 @@
 namespace umax {
 namespace {
 
+constexpr std::size_t most_deflated = 1032;  // bytes that one byte of a deflated stream can stand for
+
 struct PngReader {
   std::string_view rest;
+  std::size_t file_bytes = 0;
   codec::Codes codes;
   std::vector<png_byte> samples;
   std::vector<png_bytep> rows;
@@ -45,6 +48,8 @@ void flush_nothing(png_structp) {}
 /// Asks libpng for 8 or 16 bit grey, RGB or RGBA and makes room for it.
 void prepare_rows(png_structp png, png_infop info, PngReader& reader) {
   png_read_info(png, info);
+  if (!codec::can_hold(reader.file_bytes, png_get_rowbytes(png, info) * png_get_image_height(png, info), most_deflated))
+    png_error(png, "it promises more pixels than it can hold");
   png_set_expand(png);
   if (png_get_color_type(png, info) == PNG_COLOR_TYPE_GRAY_ALPHA) png_set_gray_to_rgb(png);
   if (png_get_bit_depth(png, info) == 16) png_set_swap(png);
@@ -101,6 +106,7 @@ bool is_png(std::string_view bytes) {
 Codes decode_png(std::string_view bytes, const std::string& name) {
   PngReader reader;
   reader.rest = bytes;
+  reader.file_bytes = bytes.size();
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_read_error, ignore_warning);
   png_infop info = png_create_info_struct(png);
   const bool whole = run_reader(png, info, reader);
