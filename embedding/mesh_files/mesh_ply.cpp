@@ -180,6 +180,7 @@ class PlyReader {
   }
 
   void read_vertices(const PlyElement& element) {
+    if (mesh_.file.mesh.num_vertices() > 0) scan_.refuse("has vertices twice");
     std::array<bool, 8> has{};
     std::vector<int> roles;
     double scale = 1;  // of colours
