@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/files/read_file.h"
@@ -79,6 +80,19 @@ CameraPlace place_from(const Eigen::Matrix4d& world_from_camera, double vertical
   return place;
 }
 
+namespace {
+
+void require_sensible(const std::filesystem::path& path, const std::string& name, const CameraPlace& place,
+                      double time) {
+  const auto is_unit = [](const Vector3d& direction) { return std::abs(direction.norm() - 1) < 1e-6; };
+  if (!place.position.allFinite() || !is_unit(place.forward) || !is_unit(place.up))
+    refuse(path, "has a camera without a place or direction", name + " at " + std::to_string(time) + " s");
+  if (!(place.vertical_fov_degrees > 0 && place.vertical_fov_degrees < 180))
+    refuse(path, "has a camera without a sensible angle of view",
+           std::to_string(place.vertical_fov_degrees) + " degrees at " + std::to_string(time) + " s");
+}
+
+}  // namespace
 }  // namespace cameras
 
 MovingCamera read_moving_camera(const std::filesystem::path& path, const std::string& name) {
@@ -93,13 +107,12 @@ MovingCamera read_moving_camera(const std::filesystem::path& path, const std::st
     camera = cameras::read_gltf(path, bytes, name);
   else
     cameras::refuse(path, "is neither glTF nor USD as text", "", "give a .gltf, .glb or .usda file");
-  const CameraPlace place = camera.at(camera.start);
-  if (!place.position.allFinite() || !place.forward.allFinite() || !place.up.allFinite() ||
-      !(place.forward.norm() > 0.5) || !(place.up.norm() > 0.5))
-    cameras::refuse(path, "has a camera without a place or direction", camera.name);
-  if (!(place.vertical_fov_degrees > 0 && place.vertical_fov_degrees < 180))
-    cameras::refuse(path, "has a camera without a sensible angle of view",
-                    std::to_string(place.vertical_fov_degrees) + " degrees");
+  camera.at = [path, name = camera.name, place_at = std::move(camera.at)](double time) {
+    const CameraPlace place = place_at(time);
+    cameras::require_sensible(path, name, place, time);
+    return place;
+  };
+  camera.at(camera.start);
   return camera;
 }
 

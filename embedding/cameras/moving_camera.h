@@ -17,8 +17,9 @@ struct CameraPlace {
 
 struct MovingCamera {
   std::string name;
-  double start = 0;                              // [s] where the file's animation begins
-  std::function<CameraPlace(double time)> at{};  // time: [s] by the file's clock
+  double start = 0;  // [s] where the file's animation begins
+  // time: [s] by the file's clock. Throws Error (bad_data) where the camera has no place, direction or angle of view.
+  std::function<CameraPlace(double time)> at{};
 };
 
 /// The camera of that name (its own, or its node's), or the only one where the name is empty. Throws Error: not_found
