@@ -224,17 +224,6 @@ struct VtuStyle {
   bool compressed = false, long_headers = false, big_endian = false;
 };
 
-inline std::string base64(const std::string& bytes) {
-  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 /// Compressed in blocks of 100 bytes, so that there are several and a smaller last one.
 inline std::string vtu_bytes(const std::string& data, const VtuStyle& style, bool encode) {
   const auto length = [&](std::size_t n) {
