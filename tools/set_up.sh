@@ -1,9 +1,11 @@
-# Sourced by tools/demo, tools/test and tools/bench: installs the packages that are missing, configures the Release and
-# builds the targets that the array `targets` names. more_packages names further lists of packages.
+# Sourced by tools/demo, tools/test and tools/bench: installs the packages that are missing, configures the preset
+# (release, unless `preset` names another one) and builds the targets that the array `targets` names. more_packages names
+# further lists of packages.
 # Defines: root (the source folder), build (build/release), jobs. Works from any current directory.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build/release
+preset=${preset:-release}
+build=$root/build/$preset
 
 . "$root/tools/install.sh"
 
@@ -20,7 +22,7 @@ count_jobs() {
 
 build_targets() {
   say "configuring $build"
-  (cd "$root" && cmake --preset release >"$build.log" 2>&1) ||
+  (cd "$root" && cmake --preset "$preset" >"$build.log" 2>&1) ||
     { cat "$build.log" >&2; die "cmake failed" 70; }
   say "building ${targets[*]} with $jobs jobs"
   cmake --build "$build" --parallel "$jobs" --target "${targets[@]}" || die "the build failed" 70
