@@ -21,7 +21,8 @@ class MemoryReader : public Imf::IStream {
  public:
   explicit MemoryReader(std::string_view bytes, const std::string& name) : Imf::IStream(name.c_str()), bytes_(bytes) {}
   bool read(char out[], int count) override {
-    if (count < 0 || position_ + std::size_t(count) > bytes_.size()) throw std::runtime_error("the file ends early");
+    if (count < 0 || position_ > bytes_.size() || std::size_t(count) > bytes_.size() - position_)
+      throw std::runtime_error("the file ends early");
     std::memcpy(out, bytes_.data() + position_, std::size_t(count));
     position_ += std::size_t(count);
     return position_ < bytes_.size();
