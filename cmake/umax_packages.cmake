@@ -46,13 +46,15 @@ target_include_directories(umax_draco SYSTEM INTERFACE ${DRACO_INCLUDE_DIR})
 target_link_libraries(umax_draco INTERFACE ${DRACO_LIBRARY})
 
 # CHOLMOD: no CMake config on Debian 12. OpenBLAS is named before it, since CHOLMOD alone would take whatever BLAS the
-# machine's alternatives point at, with other last bits.
+# machine's alternatives point at, with other last bits; and kept, since a linker that drops libraries would drop it, as
+# nothing calls it by name but CHOLMOD.
 find_library(OPENBLAS_LIBRARY openblas REQUIRED)
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 add_library(umax_cholmod INTERFACE IMPORTED)
 target_include_directories(umax_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
-target_link_libraries(umax_cholmod INTERFACE ${OPENBLAS_LIBRARY} ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
+target_link_libraries(umax_cholmod INTERFACE -Wl,--push-state,--no-as-needed,${OPENBLAS_LIBRARY},--pop-state
+  ${CHOLMOD_LIBRARY} ${CMAKE_DL_LIBS})
 
 # Ceres: the shared library. The static one brings Eigen's functions as its own compiler flags made them, and where the
 # linker takes those for ours, memory is freed in another way than it was taken.

@@ -94,7 +94,7 @@ struct GlRaster::Context {
 };
 
 GlRaster::Context::Context(int num_threads) {
-  prepare_llvmpipe(num_threads);
+  const DriverEnvironment environment(num_threads);
   const int attributes[] = {OSMESA_FORMAT,
                             OSMESA_RGBA,
                             OSMESA_DEPTH_BITS,

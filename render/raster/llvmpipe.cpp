@@ -1,19 +1,20 @@
 #include "render/raster/llvmpipe.h"
 
 #include <cstdlib>
-#include <mutex>
 #include <string>
 
 namespace umax::raster {
+namespace {
 
-void prepare_llvmpipe(int num_threads) {
-  static std::once_flag once;
-  std::call_once(once, [&] {
-    ::unsetenv("GALLIUM_DRIVER");
-    if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && std::string(width) == "512")
-      ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
-    if (num_threads > 0) ::setenv("LP_NUM_THREADS", std::to_string(num_threads).c_str(), 1);
-  });
+std::mutex environment_mutex;
+
+}  // namespace
+
+DriverEnvironment::DriverEnvironment(int num_threads)
+    : only_one_(environment_mutex), driver_("GALLIUM_DRIVER", std::nullopt) {
+  if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && std::string(width) == "512")
+    vector_width_.emplace("LP_NATIVE_VECTOR_WIDTH", std::nullopt);
+  if (num_threads > 0) threads_.emplace("LP_NUM_THREADS", std::to_string(num_threads));
 }
 
 }  // namespace umax::raster

@@ -57,8 +57,10 @@ awk '$0 == "```text" { inside = 1; next } /^```/ { inside = 0 } inside' "$source
 [ "$(wc -l <example.cpp)" -le 40 ] || fail "the example of docs/library.md has grown"
 for kind in Debug Release; do
   "$cmake" -G Ninja -S "$source/tests/install" -B "$kind" -DCMAKE_BUILD_TYPE=$kind -DCMAKE_PREFIX_PATH="$prefix" \
-    -DEXAMPLE="$scratch/example.cpp" >configure.log 2>&1 || { cat configure.log; fail "$kind cannot be configured"; }
+    -DEXAMPLE="$scratch/example.cpp" -DCMAKE_EXE_LINKER_FLAGS=-Wl,--as-needed >configure.log 2>&1 || { cat configure.log; fail "$kind cannot be configured"; }
   "$cmake" --build "$kind" >build.log 2>&1 || { cat build.log; fail "$kind cannot be built"; }
+  # whichever BLAS the machine prefers, also where the linker drops what nothing calls
+  readelf -d "$kind/box_on_plane" | grep -q 'NEEDED.*libopenblas' || fail "$kind does without OpenBLAS"
   "$kind/box_on_plane" | tee box.txt
   awk '!($3 > 0.5 && $3 <= 1.001 && $4 > 0 && $6 == 0) { exit 1 }' FS='[ ,]+' box.txt || fail "the box in $kind"
   "$kind/example" >printed.txt

@@ -154,6 +154,27 @@ def test_blas_has_its_threads_again():
     assert counts == ["3", "3", "1", "3"]
 
 
+def test_the_environment_is_as_it_was():
+    lines = in_python("""
+        import ctypes
+        import umax
+        from bodies import BOX
+        libc = ctypes.CDLL(None)
+        getenv = libc.getenv
+        getenv.restype = ctypes.c_char_p
+        def show(): print(getenv(b"LP_NUM_THREADS"), getenv(b"GALLIUM_DRIVER"))
+        simulation = umax.Simulation(BOX, threads=2)
+        simulation.step()
+        show()
+        libc.setenv(b"GALLIUM_DRIVER", b"softpipe", 1)
+        libc.setenv(b"LP_NUM_THREADS", b"5", 1)
+        simulation.step()
+        umax.render(simulation, engine="osmesa", size=(64, 36), threads=2)
+        show()
+    """)
+    assert lines == ["None", "None", "b'5'", "b'softpipe'"]
+
+
 def test_flushing_denormal_numbers_changes_no_bit_and_stays():
     script = """
         import ctypes, hashlib

@@ -23,22 +23,7 @@ make_files() { # PAGE
   mkdir scenes
   ln -s "$root/scenes/measurements" scenes/measurements
   # a mesh: an octahedron stands in for the cow
-  cat >cow.obj <<'OBJ'
-v 1 0 0
-v -1 0 0
-v 0 1 0
-v 0 -1 0
-v 0 0 1
-v 0 0 -1
-f 1 3 5
-f 3 2 5
-f 2 4 5
-f 4 1 5
-f 3 1 6
-f 2 3 6
-f 4 2 6
-f 1 4 6
-OBJ
+  cp "$root/tests/support/octahedron.obj" cow.obj
   # and two hexes, one of them askew
   cat >part.msh <<'MSH'
 $MeshFormat

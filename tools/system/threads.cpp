@@ -5,9 +5,11 @@
 #include <oneapi/tbb/info.h>
 
 #include <cfenv>
-#include <cstdlib>
 #include <mutex>
+#include <optional>
 #include <string>
+
+#include "core/base/scoped_variable.h"
 
 namespace umax {
 namespace {
@@ -25,6 +27,18 @@ struct BlasThreads {
 
 BlasThreads& blas_threads() {
   static BlasThreads threads;
+  return threads;
+}
+
+/// How many threads the rasteriser's driver makes for itself; 0 would mean none beside the caller.
+struct DriverThreads {
+  std::mutex mutex;
+  int num_users = 0;  // that want a number of theirs
+  std::optional<ScopedVariable> variable;
+};
+
+DriverThreads& driver_threads() {
+  static DriverThreads threads;
   return threads;
 }
 
@@ -49,11 +63,22 @@ struct ThreadLimit::Control {
   oneapi::tbb::global_control limit;
 };
 
+ThreadLimit::DriverLimit::DriverLimit(int threads) {
+  DriverThreads& driver = driver_threads();
+  const std::lock_guard<std::mutex> lock(driver.mutex);
+  if (driver.num_users++ == 0) driver.variable.emplace("LP_NUM_THREADS", std::to_string(threads));
+}
+
+ThreadLimit::DriverLimit::~DriverLimit() {
+  DriverThreads& driver = driver_threads();
+  const std::lock_guard<std::mutex> lock(driver.mutex);
+  if (--driver.num_users == 0) driver.variable.reset();
+}
+
 ThreadLimit::ThreadLimit(std::optional<int> threads)
     : count_(threads.value_or(oneapi::tbb::info::default_concurrency())) {
   control_ = std::make_unique<Control>(count_);
-  // the rasteriser's driver has its own threads; 0 would mean none beside the caller
-  if (threads) ::setenv("LP_NUM_THREADS", std::to_string(count_).c_str(), 1);
+  if (threads) driver_.emplace(count_);
 }
 
 ThreadLimit::~ThreadLimit() = default;

@@ -16,7 +16,8 @@ class OneBlasThread {
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 };
 
-/// Limits every library to this many threads while it lives; none: all cores. BLAS always gets one.
+/// Limits every library to this many threads while it lives; none: all cores. BLAS always gets one. The rasteriser's driver
+/// is told by the environment, which is afterwards as it was.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::optional<int> threads);
@@ -27,8 +28,15 @@ class ThreadLimit {
 
  private:
   struct Control;
+  struct DriverLimit {
+    explicit DriverLimit(int threads);
+    ~DriverLimit();
+    DriverLimit(const DriverLimit&) = delete;
+    DriverLimit& operator=(const DriverLimit&) = delete;
+  };
   OneBlasThread blas_;
   std::unique_ptr<Control> control_;
+  std::optional<DriverLimit> driver_;
   int count_ = 1;
 };
 
