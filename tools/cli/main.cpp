@@ -19,6 +19,7 @@ namespace {
 
 int run(int argc, char** argv) {
   const umax::Options options = umax::parse_command_line(argc, argv);
+  umax::pin_instruction_set(options.isa, argv);
   if (options.version) {
     fmt::print("{}", umax::version_report());
     return 0;

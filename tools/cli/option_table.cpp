@@ -252,6 +252,13 @@ Table general_table() {
        .description = "number of threads (default: all cores); results do not depend on it",
        .target = &Options::threads,
        .range = OptionRange{1, 1024}},
+      {.name = "--isa",
+       .value = "SET",
+       .description =
+           "avx2: states have the same bytes on every machine, also on one with AVX-512; best (default): the "
+           "fastest that the machine has. UMAX_ISA in the environment says the same",
+       .target = &Options::isa,
+       .choices = {"avx2", "best"}},
       {.name = "--memory",
        .value = "SIZE",
        .description = "memory that a simulation may take, as in 8G or 500M (default: what the machine has to "

@@ -23,6 +23,7 @@ struct Options {
   std::vector<std::string> labels;    // --label TEXT: strip, one for each thing in it
   std::optional<int> still;           // --still: the frame that turntable circles
   std::optional<int> threads;
+  std::optional<std::string> isa;       // "avx2" | "best"
   std::optional<std::string> memory;    // "8G": parse_memory() reads it
   std::optional<std::string> deadline;  // "2 h"
   bool resume = false, overwrite = false, strict = false, quiet = false, verbose = false, quick = false,

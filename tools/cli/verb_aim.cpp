@@ -45,9 +45,9 @@ Verb aim_verb() {
                        "umax aim bowl.toml --want 'max stretch(ball) = 12 %' --want 'rest(ball) = 2 s' --vary "
                        "\"body.ball.material.young=20 kPa..500 kPa\" --vary body.ball.material.damping_mass=0..4"},
           .arguments = {.words = scene_names, .endings = {"toml"}},
-          .options = {"--output", "--set", "--resume", "--overwrite", "--deadline", "--strict", "--allow-overlap",
-                      "--quick", "--engine", "--samples", "--size", "--seed", "--vary", "--want", "--threads",
-                      "--memory", "--progress", "--quiet", "--verbose"},
+          .options = {"--output",  "--set",    "--resume",  "--overwrite", "--deadline", "--strict", "--allow-overlap",
+                      "--quick",   "--engine", "--samples", "--size",      "--seed",     "--vary",   "--want",
+                      "--threads", "--isa",    "--memory",  "--progress",  "--quiet",    "--verbose"},
           .run = aim};
 }
 

@@ -40,10 +40,10 @@ Verb drop_verb() {
       .examples = {"umax drop bunny.ply --height \"20 cm\" --stretch 10%",
                    "umax drop cow.obj pig.obj --count 30 --height \"1 m\""},
       .arguments = {.endings = {"*"}},
-      .options = {"--output",        "--set",     "--frames",  "--resume",   "--overwrite", "--deadline", "--strict",
-                  "--allow-overlap", "--quick",   "--no-clip", "--export",   "--engine",    "--samples",  "--size",
-                  "--seed",          "--height",  "--unit",    "--up",       "--cells",     "--count",    "--stretch",
-                  "--stage",         "--threads", "--memory",  "--progress", "--quiet",     "--verbose"},
+      .options = {"--output",        "--set",     "--frames",  "--resume", "--overwrite", "--deadline", "--strict",
+                  "--allow-overlap", "--quick",   "--no-clip", "--export", "--engine",    "--samples",  "--size",
+                  "--seed",          "--height",  "--unit",    "--up",     "--cells",     "--count",    "--stretch",
+                  "--stage",         "--threads", "--isa",     "--memory", "--progress",  "--quiet",    "--verbose"},
       .run = drop_meshes};
 }
 

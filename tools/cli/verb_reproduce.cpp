@@ -94,7 +94,7 @@ Verb reproduce_verb() {
       .examples = {"umax reproduce figure3 --quick", "umax reproduce --set body.armadillo.mesh=armadillo.obj"},
       .arguments = {.words = known_names},
       .options = {"--output", "--set", "--resume", "--overwrite", "--deadline", "--quick", "--samples", "--threads",
-                  "--memory", "--progress", "--quiet", "--verbose"},
+                  "--isa", "--memory", "--progress", "--quiet", "--verbose"},
       .run = reproduce};
 }
 

@@ -27,9 +27,9 @@ Verb run_verb() {
       .examples = {"umax run figure -o falling --size 640x360",
                    "umax run beam --set body.beam.limit.energy=0.1J --set clip.frames=60"},
       .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
-      .options = {"--output",        "--set",     "--frames",  "--resume",   "--overwrite", "--deadline", "--strict",
-                  "--allow-overlap", "--quick",   "--no-clip", "--export",   "--engine",    "--samples",  "--size",
-                  "--seed",          "--threads", "--memory",  "--progress", "--quiet",     "--verbose"},
+      .options = {"--output",        "--set",     "--frames",  "--resume", "--overwrite", "--deadline", "--strict",
+                  "--allow-overlap", "--quick",   "--no-clip", "--export", "--engine",    "--samples",  "--size",
+                  "--seed",          "--threads", "--isa",     "--memory", "--progress",  "--quiet",    "--verbose"},
       .run = run_scene};
 }
 

@@ -28,7 +28,8 @@ Verb simulate_verb() {
       .examples = {"umax simulate armadillo --set body.armadillo.mesh=armadillo.obj --frames 1-100"},
       .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
       .options = {"--output", "--set", "--frames", "--resume", "--overwrite", "--deadline", "--strict",
-                  "--allow-overlap", "--export", "--threads", "--memory", "--progress", "--quiet", "--verbose"},
+                  "--allow-overlap", "--export", "--threads", "--isa", "--memory", "--progress", "--quiet",
+                  "--verbose"},
       .run = simulate_scene};
 }
 

@@ -65,9 +65,9 @@ Verb tune_verb() {
                        "body.figure.material.young=\"50 kPa,200 kPa\"",
                        "umax tune --presets"},
           .arguments = {.words = scene_names, .endings = {"toml"}, .folders = true},
-          .options = {"--output", "--set", "--resume", "--overwrite", "--deadline", "--strict", "--allow-overlap",
-                      "--engine", "--samples", "--size", "--seed", "--vary", "--presets", "--final", "--threads",
-                      "--memory", "--progress", "--quiet", "--verbose"},
+          .options = {"--output",  "--set",     "--resume", "--overwrite", "--deadline", "--strict",  "--allow-overlap",
+                      "--engine",  "--samples", "--size",   "--seed",      "--vary",     "--presets", "--final",
+                      "--threads", "--isa",     "--memory", "--progress",  "--quiet",    "--verbose"},
           .run = tune};
 }
 

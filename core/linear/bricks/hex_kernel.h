@@ -8,6 +8,7 @@
 // every node is written once, by one task, in one order.
 #pragma once
 
+#include "core/base/instruction_set.h"
 #include "core/linear/bricks/brick.h"
 
 namespace umax {
@@ -54,14 +55,6 @@ using SweepFunction = double (*)(const Sweep<T, S>&, const BrickRun* first, cons
 struct HexKernels {
   SweepFunction<float, float> sweeps[num_epilogues] = {};
 };
-
-enum class InstructionSet { portable, avx2, avx512 };
-
-/// Can this machine and this build run it? The portable one always can.
-bool is_supported(InstructionSet set);
-
-/// The widest supported.
-InstructionSet best_instruction_set();
 
 const HexKernels& hex_kernels(InstructionSet set);
 

@@ -1,0 +1,48 @@
+#include "core/base/instruction_set.h"
+
+#include <initializer_list>
+
+namespace umax {
+namespace {
+
+InstructionSet widest_allowed = InstructionSet::avx512;
+
+}  // namespace
+
+bool is_supported(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::portable:
+      return true;
+#ifdef __x86_64__
+    case InstructionSet::avx2:
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case InstructionSet::avx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
+#endif
+    default:
+      return false;
+  }
+}
+
+InstructionSet best_instruction_set() {
+  for (const InstructionSet set : {InstructionSet::avx512, InstructionSet::avx2})
+    if (set <= widest_allowed && is_supported(set)) return set;
+  return InstructionSet::portable;
+}
+
+void use_at_most(InstructionSet set) {
+  widest_allowed = set;
+}
+
+const char* name_of(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::avx2:
+      return "avx2";
+    case InstructionSet::avx512:
+      return "avx512";
+    default:
+      return "portable";
+  }
+}
+
+}  // namespace umax
