@@ -1,5 +1,7 @@
 #include "core/base/instruction_set.h"
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <initializer_list>
 
 namespace umax {
@@ -32,6 +34,9 @@ InstructionSet best_instruction_set() {
 
 void use_at_most(InstructionSet set) {
   widest_allowed = set;
+  // of large products Eigen sums blocks that are as large as the processor's caches: not as any of them, but always so
+  constexpr std::ptrdiff_t l1 = 32 << 10, l2 = 256 << 10, l3 = 2 << 20;  // [bytes]
+  Eigen::setCpuCacheSizes(l1, l2, l3);
 }
 
 const char* name_of(InstructionSet set) {
