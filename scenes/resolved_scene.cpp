@@ -19,6 +19,18 @@ void write_keys(const SceneSection& section, const Scene& scene, std::size_t ind
   }
 }
 
+/// The table says some defaults with the case that has another: "\"none\"; \"hard\" where a limit is given".
+bool is_default(const std::string& value, const SceneKey& key) {
+  return value == key.default_value || key.default_value.starts_with(value + "; ");
+}
+
+void add_changed(const SceneSection& section, const Scene& scene, std::size_t index, const std::string& thing,
+                 std::vector<std::string>& settings) {
+  for (const SceneKey& key : section.keys)
+    if (const auto value = key.write(scene, index); value && !is_default(*value, key))
+      settings.push_back(section.key_prefix(thing) + key.name + " = " + *value);
+}
+
 }  // namespace
 
 std::string resolved_toml(const Scene& scene, const Comments& comments) {
@@ -36,6 +48,15 @@ std::string resolved_toml(const Scene& scene, const Comments& comments) {
     }
   }
   return text;
+}
+
+std::vector<std::string> changed_settings(const Scene& scene) {
+  std::vector<std::string> settings;
+  for (const SceneSection& section : scene_sections()) {
+    const std::vector<std::string> names = section.named ? section.names(scene) : std::vector<std::string>{""};
+    for (std::size_t i = 0; i < names.size(); ++i) add_changed(section, scene, i, names[i], settings);
+  }
+  return settings;
 }
 
 }  // namespace umax

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
 
@@ -12,5 +13,9 @@ namespace umax {
 /// scene, writing that gives the same bytes.
 /// comments: by full key ("body.beam.limit.energy"), put behind the key's value.
 std::string resolved_toml(const Scene& scene, const std::map<std::string, std::string>& comments = {});
+
+/// Its settings that are not those of the table of keys by default, as "body.beam.limit.energy = 0.1", in the order of the
+/// resolved scene.
+std::vector<std::string> changed_settings(const Scene& scene);
 
 }  // namespace umax

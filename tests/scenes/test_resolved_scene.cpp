@@ -1,5 +1,6 @@
 #include "scenes/resolved_scene.h"
 
+#include <algorithm>
 #include <random>
 
 #include "core/files/sha256.h"
@@ -204,4 +205,20 @@ TEST_CASE("comments stand behind their keys and change nothing that is read", "[
                     told = resolved_toml(scene, {{"body.b.limit.stretch", "= 5 J per hex"}});
   CHECK(told.find("limit.stretch = 0.05  # = 5 J per hex\n") > told.find("[body.b]"));
   CHECK(resolved_toml(read_text(told)) == plain);
+}
+
+TEST_CASE("the settings that a scene changes are those that are not the defaults", "[resolved]") {
+  const Scene scene = read_text("[clip]\nfps = 60\nframes = 7\n[body.a]\nlimit.stretch = \"5 %\"\nfriction = 0.25\n");
+  const std::vector<std::string> settings = changed_settings(scene);
+  const auto has = [&](const std::string& setting) {
+    return std::find(settings.begin(), settings.end(), setting) != settings.end();
+  };
+  CHECK(has("clip.frames = 7"));
+  CHECK(has("body.a.friction = 0.25"));
+  CHECK(has("body.a.limit.stretch = 0.05"));
+  CHECK(has("body.a.limit.kind = \"hard\""));
+  for (const std::string& setting : settings) {
+    CHECK(setting.find("clip.fps") == std::string::npos);
+    CHECK(setting.find("limit.fibre.kind") == std::string::npos);
+  }
 }

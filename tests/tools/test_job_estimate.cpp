@@ -3,11 +3,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
+
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
 #include "tests/tools/program.h"
 #include "tools/run/job_estimate.h"
+#include "tools/run/picture_estimate.h"
 #include "tools/system/machine_memory.h"
 
 using namespace umax;
@@ -72,6 +75,45 @@ TEST_CASE("a machine gives what is free, and no more than any cgroup leaves") {
   write("sys/fs/cgroup/memory.max", "1000000000\n");
   CHECK(available_memory(root.path()) == 1000000000);
   CHECK(available_memory() > 1 << 20);
+
+  CHECK(allowed_processors(root.path()) == std::floor(allowed_processors(root.path())));
+  write("sys/fs/cgroup/farm/cpu.max", "max 100000\n");
+  const double all = allowed_processors(root.path());
+  write("sys/fs/cgroup/farm/cpu.max", "25000 100000\n");
+  CHECK(all >= 1);
+  CHECK(allowed_processors(root.path()) == 0.25);
+}
+
+TEST_CASE("what pictures take grows with pixels, paths and frames, and is told where it is much") {
+  const PictureJob small{
+      .pixels = 640 * 360, .samples = 16, .triangles = 232000, .pictures = 10, .shots = 10, .threads = 2};
+  const PictureEstimate cost = estimate(small);
+  CHECK(announce(small).empty());
+  PictureJob large = small;
+  large.pixels *= 4, large.samples *= 4, large.pictures = large.shots = 500, large.clip_frames = 500;
+  CHECK(estimate(large).render_seconds > 4 * 50 * cost.render_seconds);
+  CHECK(estimate(large).render_seconds < 16 * 50 * cost.render_seconds);
+  CHECK(estimate(large).memory > cost.memory);
+  CHECK(estimate(large).encode_seconds > 0);
+  CHECK(contains(announce(large), "500 of about "));
+  CHECK(contains(announce(large), " s by embree on 2 threads), and "));
+  PictureJob filtered = small;
+  filtered.is_filtered = true, filtered.window = 5, filtered.shots = 14;
+  CHECK(estimate(filtered).render_seconds > 1.4 * cost.render_seconds);
+  PictureJob one_thread = small;
+  one_thread.threads = 1;
+  CHECK(estimate(one_thread).render_seconds == Approx(2 * cost.render_seconds));
+}
+
+TEST_CASE("pictures to draw are counted with the neighbours that their filter looks at") {
+  const Simulation simulation = set_up(block_with({{"render.denoise", "temporal"}, {"clip.frames", "40"}}));
+  const PictureJob job = picture_job(simulation, {10, 11, 30}, 3, 2);
+  CHECK(job.pictures == 3);
+  CHECK(job.window == 5);
+  CHECK(job.shots == 6 + 5);
+  CHECK(job.pixels == 32 * 18);
+  CHECK(job.triangles >= 12);
+  CHECK(picture_job(simulation, {1, 40}, 0, 2).shots == 6);  // the clip's ends
 }
 
 TEST_CASE("direct solvers take memory like n^(4/3) and time like n^2, multigrid both like n") {

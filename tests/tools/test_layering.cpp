@@ -145,10 +145,10 @@ std::vector<Include> includes_of(const std::string& top) {
 
 bool is_standard(const std::string& target) {
   // the C++ library has no dot; the headers of POSIX, the compiler and the C library that we use
-  static const std::set<std::string> of_system{"fcntl.h",     "unistd.h",     "spawn.h",        "dlfcn.h",
-                                               "poll.h",      "sys/file.h",   "sys/ioctl.h",    "sys/mman.h",
-                                               "sys/prctl.h", "sys/random.h", "sys/resource.h", "sys/stat.h",
-                                               "sys/time.h",  "sys/wait.h",   "immintrin.h",    "malloc.h"};
+  static const std::set<std::string> of_system{
+      "fcntl.h",    "unistd.h",    "spawn.h",      "dlfcn.h",        "poll.h",     "sys/file.h", "sys/ioctl.h",
+      "sys/mman.h", "sys/prctl.h", "sys/random.h", "sys/resource.h", "sys/stat.h", "sys/time.h", "sys/utsname.h",
+      "sys/vfs.h",  "sys/wait.h",  "sched.h",      "immintrin.h",    "malloc.h"};
   return target.find_first_of("./") == std::string::npos || of_system.count(target) > 0;
 }
 

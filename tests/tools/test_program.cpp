@@ -208,7 +208,8 @@ TEST_CASE("umax doctor tells what is there, what is missing, and how to mend it"
   const ProcessResult whole = doctor({});
   CAPTURE(whole.output, whole.messages);
   CHECK(whole.exit_code == 0);
-  for (const std::string name : {"processor", "memory", "files", "encoder", "rasteriser", "importer", "font", "plots"})
+  for (const std::string name :
+       {"processor", "threads", "memory", "files", "file system", "encoder", "rasteriser", "importer", "font", "plots"})
     CHECK(whole.output.find(name) != std::string::npos);
   CHECK(whole.output.find("MISSING") == std::string::npos);
   CHECK(fs::is_empty(folder.path()));  // it leaves nothing
@@ -223,6 +224,12 @@ TEST_CASE("umax doctor tells what is there, what is missing, and how to mend it"
     CHECK(result.output.find(word) != std::string::npos);
   }
   CHECK(exit_code_of({"doctor", "-o", "/nowhere"}) == 69);
+  const ProcessResult narrow = run_process({"bash", "-c", "ulimit -f 1000000; taskset -c 0 \"$@\"", "bash",
+                                            UMAX_PROGRAM, "doctor", "-o", folder.path().string()});
+  CAPTURE(narrow.output);
+  CHECK(narrow.exit_code == 0);
+  CHECK(narrow.output.find("1 unless --threads says otherwise, on 1 of ") != std::string::npos);
+  CHECK(narrow.output.find("files may have no more than") != std::string::npos);
 }
 
 TEST_CASE("odd sizes are refused before simulating when a clip is to be encoded") {

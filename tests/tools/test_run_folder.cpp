@@ -132,6 +132,21 @@ TEST_CASE("a run's record comes back from run.json") {
   CHECK(back->seconds() == 1.5);
   CHECK(back->peak_memory == record.peak_memory);
   CHECK(!back->exit_status);
+  CHECK(how_it_ended(*back, {}).starts_with("without a word"));
+
+  record.caller = "process 7 on render07";
+  record.instruction_set = "avx2 with OpenBLAS";
+  record.calls_killed = 2;
+  write_run_record(temporary / "run.json", record);
+  const RunRecord again = read_run_record(temporary / "run.json").value();
+  CHECK(again.instruction_set == record.instruction_set);
+  CHECK(again.calls_killed == 2);
+  Worker worker;
+  worker.host = "render07", worker.process = 7;
+  CHECK(how_it_ended(again, {worker}) == "not yet: process 7 on render07 is at work");
+  record.exit_status = 139, record.ended = "crashed by SIGSEGV";
+  write_run_record(temporary / "run.json", record);
+  CHECK(how_it_ended(read_run_record(temporary / "run.json").value(), {worker}) == "crashed by SIGSEGV");
 
   make_file(temporary / "other.json", R"({"name": "package.json of somebody"})");
   CHECK(!read_run_record(temporary / "other.json"));

@@ -1,9 +1,15 @@
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/vfs.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <iterator>
+#include <thread>
 
 #include "core/base/error.h"
 #include "core/files/write_file.h"
@@ -41,9 +47,19 @@ struct Finding {
 Finding look_at_processor() {
   if (!(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")))
     return {Health::missing, "has no AVX2, FMA and BMI2 (x86-64-v3)", "run umax on one from 2013 or later"};
-  const ThreadLimit threads({});
-  return {Health::good, fmt::format("{} with {}; {} threads", host_description(),
-                                    __builtin_cpu_supports("avx512f") ? "AVX-512" : "AVX2", threads.count())};
+  return {Health::good, host_description() + ", used by " + instruction_set_text()};
+}
+
+/// More threads than processors that they may have wait for each other.
+Finding look_at_threads() {
+  const int threads = ThreadLimit({}).count(), processors = int(std::thread::hardware_concurrency());
+  const double allowed = allowed_processors();
+  const std::string text =
+      fmt::format("{} unless --threads says otherwise, on {} of {} processors", threads, allowed, processors);
+  if (allowed < threads - 0.5)
+    return {Health::poor, text + ": the group of processes may use no more of their time",
+            fmt::format("--threads {:.0f}, or ask for more", std::max(1.0, std::floor(allowed)))};
+  return {Health::good, text};
 }
 
 Finding look_at_memory() {
@@ -114,6 +130,54 @@ Finding look_at_live_page() {
   return {Health::good, "three.js for the page of umax live"};
 }
 
+/// Of the file system, by what it says of itself; other kinds are local disks.
+struct FileSystemKind {
+  long magic;
+  const char* name;
+  bool is_shared = false, is_memory = false;
+};
+constexpr FileSystemKind kinds[]{{0x6969, "NFS", true, false},
+                                 {0xFF534D42, "CIFS", true, false},
+                                 {0xFE534D42, "SMB", true, false},
+                                 {0x0BD00BD0, "Lustre", true, false},
+                                 {0x47504653, "GPFS", true, false},
+                                 {0x00C36400, "Ceph", true, false},
+                                 {0x01021994, "tmpfs", false, true},
+                                 {0x858458F6, "ramfs", false, true},
+                                 {0xEF53, "ext4"},
+                                 {0x58465342, "XFS"},
+                                 {0x9123683E, "Btrfs"},
+                                 {0x2FC12FC1, "ZFS"},
+                                 {0x794C7630, "overlay"},
+                                 {0x65735546, "FUSE", true, false}};
+
+FileSystemKind kind_of(const fs::path& folder) {
+  struct statfs system{};
+  if (statfs(folder.c_str(), &system) != 0) return {0, "unknown"};
+  const auto* known = std::find_if(std::begin(kinds), std::end(kinds),
+                                   [&](const FileSystemKind& kind) { return kind.magic == long(system.f_type); });
+  return known == std::end(kinds) ? FileSystemKind{0, "another kind"} : *known;
+}
+
+/// What several processes need to share a folder's work, and long files their room.
+Finding look_at_file_system(const fs::path& folder) {
+  const FileSystemKind kind = kind_of(folder);
+  const ScratchFolder scratch(folder);
+  write_file(scratch.path() / "file", "x");
+  std::error_code error;
+  fs::create_hard_link(scratch.path() / "file", scratch.path() / "link", error);
+  const std::string text = fmt::format("{}{}{}", kind.name, kind.is_shared ? ", shared with other machines" : "",
+                                       error ? ", without hard links: claims on frames are copies" : "");
+  rlimit largest{};
+  getrlimit(RLIMIT_FSIZE, &largest);
+  if (largest.rlim_cur != RLIM_INFINITY && double(largest.rlim_cur) < little_room)
+    return {Health::poor,
+            fmt::format("{}; files may have no more than {}", text, format_memory(double(largest.rlim_cur))),
+            "ulimit -f unlimited: clips and exports may be larger"};
+  if (kind.is_memory) return {Health::poor, text + ": gone when the machine is", "choose a folder on a disk with -o"};
+  return {Health::good, text};
+}
+
 Finding look_at_files(const fs::path& folder) {
   const ScratchFolder scratch(folder);
   const auto start = std::chrono::steady_clock::now();
@@ -144,8 +208,10 @@ int examine(const Options& options) {
     if (!found.remedy.empty()) fmt::print("{:<20} {}\n", "", found.remedy);
   };
   tell("processor", look_at_processor);
+  tell("threads", look_at_threads);
   tell("memory", look_at_memory);
   tell("files", [&] { return look_at_files(folder); });
+  tell("file system", [&] { return look_at_file_system(folder); });
   tell("encoder", look_at_encoder);
   tell("rasteriser", look_at_rasteriser);
   tell("importer", look_at_importer);
@@ -158,18 +224,19 @@ int examine(const Options& options) {
 }  // namespace
 
 Verb doctor_verb() {
-  return {
-      .name = "doctor",
-      .usage = "",
-      .summary = "what the machine lacks and how to mend it",
-      .details =
-          "Tries what umax needs of this machine: processor, memory, the folder's disk (the current one, or that of "
-          "-o), ffmpeg, OSMesa, the program that reads foreign meshes, fonts and the libraries of pages. Exit code 69 "
-          "where anything is missing. --quiet tells only what is not well.",
-      .examples = {"umax doctor"},
-      .arguments = {},
-      .options = {"--output", "--quiet"},
-      .run = examine};
+  return {.name = "doctor",
+          .usage = "",
+          .summary = "what the machine lacks and how to mend it",
+          .details =
+              "Tries what umax needs of this machine: processor, threads, memory, the folder's disk and file system "
+              "(the current "
+              "one, or that of -o), ffmpeg, OSMesa, the program that reads foreign meshes, fonts and the libraries of "
+              "pages. Exit code 69 "
+              "where anything is missing. --quiet tells only what is not well.",
+          .examples = {"umax doctor"},
+          .arguments = {},
+          .options = {"--output", "--quiet"},
+          .run = examine};
 }
 
 }  // namespace umax

@@ -6,9 +6,12 @@
 #include "tools/cli/verb.h"
 #include "tools/run/clip.h"
 #include "tools/run/frame_list.h"
+#include "tools/run/picture_estimate.h"
 #include "tools/run/picture_work.h"
 #include "tools/run/run_folder.h"
+#include "tools/run/run_log.h"
 #include "tools/system/signals.h"
+#include "tools/system/threads.h"
 
 namespace umax {
 namespace fs = std::filesystem;
@@ -24,6 +27,18 @@ void require_pictures(const fs::path& run, const std::vector<int>& frames) {
                                                std::to_string(frame) + "; or give --frames of those that are there"});
 }
 
+int logged_clip(const RunFolder& folder, const std::vector<int>& frames, const Scene& scene, RunLog& log,
+                Progress& progress) {
+  try {
+    const int signal = make_clip(folder, frames, scene, progress);
+    log.write("ended " + (signal == 0 ? "finished" : stop_note(signal)));
+    return signal;
+  } catch (const Error& error) {
+    log.write(std::string("ended error: ") + error.what());
+    throw;
+  }
+}
+
 int encode_run(const Options& options) {
   const fs::path run = single_input(options, "folder of a run");
   const Scene scene = scene_of_run(run, {});
@@ -35,7 +50,14 @@ int encode_run(const Options& options) {
   const RunFolder folder(run, ExistingFolder::keep, FolderUse::shared, "encode");
   require_pictures(run, frames);
   Progress progress(stdout, progress_mode(options), options.quiet);
-  const int signal = make_clip(folder, frames, scene, progress);
+  const std::string cost = announce(PictureJob{.pixels = double(scene.render.width) * scene.render.height,
+                                               .clip_frames = int(frames.size()),
+                                               .threads = ThreadLimit({}).count()});
+  if (!cost.empty()) progress.note(cost);
+  RunLog log(progress);
+  log.open(folder.log());
+  log.write("began umax encode: " + command_text());
+  const int signal = logged_clip(folder, frames, scene, log, progress);
   return exit_code_after(signal);
 }
 

@@ -105,6 +105,8 @@ nlohmann::ordered_json run_json(const std::filesystem::path& run) {
     json["seconds"] = record->seconds();
     json["peak_memory_bytes"] = record->peak_memory;
     if (record->exit_status) json["exit_status"] = *record->exit_status;
+    json["ended"] = how_it_ended(*record, workers_in_run(run));
+    json["calls_killed"] = record->calls_killed;
   }
   return json;
 }
@@ -116,6 +118,7 @@ void print_run(const std::filesystem::path& run) {
     fmt::print(", {} steps, {} of them not converged, {:.1f} s, {:.0f} MiB", record->steps, record->steps_not_converged,
                record->seconds(), double(record->peak_memory) / 1048576);
   fmt::print("\n");
+  if (record) fmt::print("ended      {}\n", how_it_ended(*record, workers_in_run(run)));
 }
 
 Scene scene_of_input(const std::string& input, InputKind kind, const Options& options) {

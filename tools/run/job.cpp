@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/files/read_file.h"
-#include "core/files/sha256.h"
 #include "core/files/write_file.h"
 #include "scenes/resolved_scene.h"
 #include "tools/exchange/export_list.h"
@@ -19,7 +19,10 @@
 #include "tools/run/export_run.h"
 #include "tools/run/frame_list.h"
 #include "tools/run/job_estimate.h"
+#include "tools/run/picture_estimate.h"
 #include "tools/run/picture_work.h"
+#include "tools/run/record_keeper.h"
+#include "tools/run/run_log.h"
 #include "tools/run/run_motion.h"
 #include "tools/run/run_record.h"
 #include "tools/run/simulate.h"
@@ -33,60 +36,6 @@
 
 namespace umax {
 namespace {
-
-/// run.json while the job runs: written at the start, after every stage and at the end. Others who share the folder write
-/// it too: each adds what is its own.
-class RecordKeeper {
- public:
-  RecordKeeper(const RunFolder& folder, const RunOptions& options, const std::string& scene_text,
-               const Simulation& simulation)
-      : folder_(folder),
-        verb_(options.verb),
-        scene_(simulation.scene.name),
-        scene_sha256_(sha256_hex(scene_text)),
-        model_sha256_(simulation.digest),
-        threads_(options.threads) {
-    change([](RunRecord& record) { record.exit_status.reset(); });
-  }
-  /// edit(RunRecord&): what is to be changed.
-  template <class Edit>
-  void change(const Edit& edit) {
-    // the others are done in a moment; should one be stuck, its share is lost rather than ours
-    const auto start = std::chrono::steady_clock::now();
-    const bool is_ours = folder_.presence().claim_when_free("record", [&] { return seconds_since(start) > 20; });
-    RunRecord record = read_run_record(folder_.record()).value_or(RunRecord{});
-    record.version = version_text();
-    record.verb = verb_;
-    record.scene = scene_;
-    record.scene_sha256 = scene_sha256_;
-    record.model_sha256 = model_sha256_;
-    record.host = host_description();
-    record.threads = threads_;
-    record.peak_memory = std::max(record.peak_memory, peak_memory());
-    edit(record);
-    write_run_record(folder_.record(), record);
-    if (is_ours) folder_.presence().release("record");
-  }
-  int finish(int exit_status) {
-    const bool is_last = folder_.presence().others().empty();
-    change([&](RunRecord& record) {
-      if (is_last || exit_status != 0) record.exit_status = exit_status;
-    });
-    return exit_status;
-  }
-  void finish_after_error(int exit_status) {
-    try {
-      finish(exit_status);
-    } catch (const Error&) {  // NOLINT(bugprone-empty-catch): as the line below says
-      // the disk that refuses this refused something before: that is what the user is told
-    }
-  }
-
- private:
-  const RunFolder& folder_;
-  std::string verb_, scene_, scene_sha256_, model_sha256_;
-  int threads_;
-};
 
 /// Time steps up to a frame that the folder does not have yet.
 long long steps_left(const Job& job, int last_state) {
@@ -105,6 +54,19 @@ void tell_cost(const Simulation& simulation, long long steps, long long memory, 
   const JobSize size = size_of(simulation);
   require_memory(size, simulation.scene, double(memory));
   if (const std::string text = announce(size, steps); !text.empty()) progress.note(text);
+}
+
+/// Says what many or large pictures and their clip will take, those that are there left out.
+void tell_cost(const Job& job, const Simulation& simulation, const std::vector<int>& frames, int threads,
+               Progress& progress) {
+  if (!job.pictures) return;
+  const bool keeps = job.existing == ExistingFolder::keep && !job.replace_pictures;
+  std::vector<int> open;
+  std::error_code error;
+  for (const int frame : frames)
+    if (!keeps || !std::filesystem::exists(picture_path(job.folder, frame), error)) open.push_back(frame);
+  const PictureJob cost = picture_job(simulation, open, job.clip ? int(frames.size()) : 0, threads);
+  if (const std::string text = announce(cost); !text.empty()) progress.note(text);
 }
 
 /// Who simulates or removes what is there is alone; who only draws shares.
@@ -151,16 +113,36 @@ struct JobInHand {
   const std::vector<int>& frames;
   RunFolder& folder;
   RecordKeeper& keeper;
+  RunLog& log;
   Progress& progress;
 };
+
+/// Puts down what decides the last bits of the steps that this call computes, and says where others were computed otherwise.
+void tell_instruction_set(const JobInHand& hand) {
+  const int states = count_states(hand.folder.path());
+  if (states >= last_state_of(hand.job, hand.frames)) return;
+  const std::string now = instruction_set_text();
+  std::string before;
+  hand.keeper.change([&](RunRecord& record) {
+    if (states > 1) before = record.instruction_set;
+    if (!before.ends_with(now)) record.instruction_set = before.empty() ? now : before + ", then " + now;
+  });
+  if (before.empty() || before.ends_with(now)) return;
+  hand.progress.warning(fmt::format(
+      "the states that are there were computed by {}, and this call goes on by {}: not to the same last bits as "
+      "in one go; --isa avx2 from the start makes machines agree",
+      before, now));
+}
 
 /// Simulates; returns the signal that stopped it, or 0.
 int simulate_stage(const JobInHand& hand) {
   const auto start = std::chrono::steady_clock::now();
+  tell_instruction_set(hand);
   const SimulateOptions options{.last_frame = last_state_of(hand.job, hand.frames),
                                 .strict = hand.options.strict,
                                 .verbose = hand.options.verbose};
   const SimulateResult result = simulate_and_plot(hand.simulation, hand.folder, options, hand.progress);
+  hand.log.write(fmt::format("simulated as far as frame {} in {:.1f} s", result.frames, seconds_since(start)));
   hand.keeper.change([&](RunRecord& record) {
     record.simulate_seconds += seconds_since(start);
     record.frames = result.frames;
@@ -192,11 +174,14 @@ int picture_stage(const JobInHand& hand, const RunPictures& pictures) {
   auto start = std::chrono::steady_clock::now();
   const RenderResult result =
       draw_pictures(pictures.list, scene.render, hand.options.threads, hand.folder, hand.progress);
+  hand.log.write(
+      fmt::format("drew pictures, of which {} are there, in {:.1f} s", result.pictures, seconds_since(start)));
   hand.keeper.change([&](RunRecord& record) { record.render_seconds += seconds_since(start); });
   if (result.signal != 0 || !hand.job.clip) return result.signal;
 
   start = std::chrono::steady_clock::now();
   const int signal = finish_clip(hand.folder, pictures.list.frames, scene, hand.progress);
+  hand.log.write(fmt::format("encoded in {:.1f} s", seconds_since(start)));
   hand.keeper.change([&](RunRecord& record) { record.encode_seconds += seconds_since(start); });
   return signal;
 }
@@ -229,7 +214,7 @@ int do_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
     if (signal == 0) signal = picture_stage(hand, pictures);
   }
   if (signal != 0) hand.progress.note(stop_note(signal));
-  return exit_code_after(signal);
+  return hand.keeper.finish(exit_code_after(signal), signal == 0 ? "finished" : stop_note(signal));
 }
 
 /// States of another scene are not to be mixed with this one's.
@@ -246,15 +231,29 @@ void write_if_different(const std::filesystem::path& path, const std::string& te
   if (!std::filesystem::exists(path, error) || read_file(path) != text) write_file(path, text);
 }
 
-/// Keeps the exit code in run.json; a full disk before the first output means that it cannot be created, later that a
-/// write failed.
-[[noreturn]] void end_with(const Error& error, const RunFolder& folder, RecordKeeper& keeper) {
+/// A full disk before the first output means that it cannot be created, later that a write failed.
+Fault fault_in(const RunFolder& folder, const Error& error) {
   std::error_code unknown;
   const bool is_late = count_states(folder.path()) > 0 || std::filesystem::exists(folder.frames(), unknown) ||
                        !std::filesystem::exists(folder.path(), unknown);
-  const Fault fault = error.fault() == Fault::cannot_create && is_late ? Fault::io_error : error.fault();
-  keeper.finish_after_error(exit_code_of(fault));
-  throw Error(fault, error.text());
+  return error.fault() == Fault::cannot_create && is_late ? Fault::io_error : error.fault();
+}
+
+/// do_stages, whose end is kept in run.json however it comes.
+int do_recorded_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
+  try {
+    return do_stages(hand, std::move(ready));
+  } catch (const Error& error) {
+    const Error told(fault_in(hand.folder, error), error.text());
+    hand.keeper.finish_after_error(exit_code_of(told.fault()), std::string("error: ") + told.what());
+    throw told;
+  } catch (const std::bad_alloc&) {
+    hand.keeper.finish_after_error(exit_code_of(Fault::internal), "error: memory ran out");
+    throw;
+  } catch (...) {  // whoever listens to progress may throw what it likes
+    hand.keeper.finish_after_error(exit_code_of(Fault::internal), "by an internal error, or as its caller asked");
+    throw;
+  }
 }
 
 }  // namespace
@@ -271,13 +270,27 @@ Scene lit_scene(Scene scene, const Simulation& simulation) {
   return scene;
 }
 
+std::vector<int> frames_wanted(const Job& job, const RunOptions& options) {
+  const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
+  return options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
+}
+
+void tell_bodies(const Simulation& simulation, Progress& progress) {
+  for (const std::string& warning : simulation.warnings) progress.warning(warning);
+  for (const BodySetup& body : simulation.bodies) {
+    progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
+                              body.lattice.num_hexes(), body.lattice.num_nodes()));
+    for (const std::string& note : body.notes) progress.note(fmt::format("body {}: {}", body.name, note));
+  }
+}
+
 }  // namespace
 
 int do_job(const Job& job, const RunOptions& options, Progress& progress) {
-  const int last_frame = job.default_frames.value_or(job.scene.clip.frames);
-  const std::vector<int> frames =
-      options.frames ? parse_frame_list(*options.frames, last_frame) : all_frames(last_frame);
+  const std::vector<int> frames = frames_wanted(job, options);
   check_before_start(job, frames);
+  RunLog log(progress);
+  log.write(fmt::format("began umax {}: {}", options.verb, command_text()));
   const long long steps = steps_left(job, last_state_of(job, frames));
   const long long memory = options.memory ? *options.memory : available_memory();
   // before cages are made that no memory holds, and before they are filled
@@ -292,14 +305,9 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   const Simulation& simulation = *set_up_now;
   if (job.simulate && !simulation.scene.clip.allow_overlap) require_clear_start(simulation.model);
   keep_freed_memory();
-  for (const std::string& warning : simulation.warnings) progress.warning(warning);
-  for (const BodySetup& body : simulation.bodies) {
-    progress.note(fmt::format("body {}: {} triangles, {} hexes, {} nodes", body.name, body.shape.mesh.num_triangles(),
-                              body.lattice.num_hexes(), body.lattice.num_nodes()));
-    for (const std::string& note : body.notes) progress.note(fmt::format("body {}: {}", body.name, note));
-  }
-
+  tell_bodies(simulation, progress);
   if (steps > 0) tell_cost(simulation, steps, memory, progress);
+  tell_cost(job, simulation, frames, options.threads, progress);
 
   std::optional<RunPictures> pictures;
   if (job.make_pictures) pictures = job.make_pictures(simulation, frames);
@@ -312,12 +320,8 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
     if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return exit_code_after(signal);
   const std::string scene_text = resolved_toml(lit_scene(job.scene, simulation), limit_comments(simulation));
   write_if_different(folder.scene(), scene_text);
-  RecordKeeper keeper(folder, options, scene_text, simulation);
-  try {
-    return keeper.finish(do_stages({job, options, simulation, frames, folder, keeper, progress}, std::move(pictures)));
-  } catch (const Error& error) {
-    end_with(error, folder, keeper);
-  }
+  RecordKeeper keeper(folder, options, scene_text, simulation, log);
+  return do_recorded_stages({job, options, simulation, frames, folder, keeper, log, progress}, std::move(pictures));
 }
 
 }  // namespace umax

@@ -134,11 +134,6 @@ std::string advice(const JobSize& size, const Scene& scene, const BodySize& larg
   return fmt::format("{}", fmt::join(ways, ", or "));
 }
 
-/// "0.54", "4.8", "1187"
-std::string seconds_text(double seconds) {
-  return seconds < 10 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds);
-}
-
 const char* solver_name(const JobSize& size) {
   return size.multigrid ? "multigrid" : "direct";
 }
@@ -224,10 +219,18 @@ void require_memory(const JobSize& size, const Scene& scene, double memory) {
                .remedy = advice(size, scene, largest, memory)});
 }
 
+bool is_worth_saying(double memory, double seconds) {
+  return memory > worth_saying_bytes || seconds > worth_saying_seconds;
+}
+
+std::string seconds_text(double seconds) {
+  return seconds < 10 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds);
+}
+
 std::string announce(const JobSize& size, long long steps) {
   const JobEstimate cost = estimate(size);
   const double seconds = double(steps) * cost.step_seconds;
-  if (cost.memory <= worth_saying_bytes && seconds <= worth_saying_seconds) return {};
+  if (!is_worth_saying(cost.memory, seconds)) return {};
   return fmt::format("about {} of memory and {} ({} steps of about {} s) with solver.linear = {}",
                      format_memory(cost.memory), format_duration(seconds), steps, seconds_text(cost.step_seconds),
                      solver_name(size));

@@ -47,4 +47,10 @@ void require_memory(const JobSize& size, const Scene& scene, double memory);
 /// little (up to 1 GiB and 10 minutes) and need not be said.
 std::string announce(const JobSize& size, long long steps);
 
+/// More than 1 GiB or 10 minutes [bytes, s].
+bool is_worth_saying(double memory, double seconds);
+
+/// "0.54", "4.8", "1187"
+std::string seconds_text(double seconds);
+
 }  // namespace umax

@@ -62,7 +62,8 @@ void empty_run(const RunFolder& folder) {
   std::error_code error;
   for (const char* name : step_plot_names) fs::remove(folder.plots() / name, error);
   remove_if_empty(folder.plots());
-  for (const fs::path& file : {motion_path(folder.path()), folder.steps(), folder.scene(), folder.record()})
+  for (const fs::path& file :
+       {motion_path(folder.path()), folder.steps(), folder.log(), folder.scene(), folder.record()})
     fs::remove(file, error);
 }
 

@@ -31,6 +31,7 @@ class RunFolder {
   std::filesystem::path scene() const { return path() / "scene.toml"; }
   std::filesystem::path steps() const { return path() / "steps.csv"; }
   std::filesystem::path record() const { return path() / "run.json"; }
+  std::filesystem::path log() const { return path() / "run.log"; }
   std::filesystem::path pictures() const { return path() / "pictures.json"; }
   std::filesystem::path clip() const { return path() / "clip.mp4"; }
   std::filesystem::path states() const { return path() / "states"; }

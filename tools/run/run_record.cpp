@@ -26,6 +26,9 @@ nlohmann::ordered_json to_json(const RunRecord& record) {
   json["model_sha256"] = record.model_sha256;
   json["host"] = record.host;
   json["threads"] = record.threads;
+  json["instruction_set"] = record.instruction_set;
+  json["caller"] = record.caller;
+  json["began"] = record.began;
   json["totals"] = {{"seconds", record.seconds()},
                     {"simulate_seconds", record.simulate_seconds},
                     {"render_seconds", record.render_seconds},
@@ -38,6 +41,11 @@ nlohmann::ordered_json to_json(const RunRecord& record) {
     json["exit_status"] = *record.exit_status;
   else
     json["exit_status"] = nullptr;
+  if (record.ended.empty())
+    json["ended"] = nullptr;
+  else
+    json["ended"] = record.ended;
+  json["calls_killed"] = record.calls_killed;
   return json;
 }
 
@@ -59,6 +67,12 @@ RunRecord from_json(const nlohmann::json& json) {
   record.peak_memory = totals.at("peak_memory_bytes");
   record.steps_not_converged = json.at("steps_not_converged");
   if (!json.at("exit_status").is_null()) record.exit_status = json.at("exit_status").get<int>();
+  // what earlier versions did not write
+  record.instruction_set = json.value("instruction_set", "");
+  record.caller = json.value("caller", "");
+  record.began = json.value("began", "");
+  if (json.contains("ended") && json.at("ended").is_string()) record.ended = json.at("ended");
+  record.calls_killed = json.value("calls_killed", 0);
   return record;
 }
 
@@ -73,8 +87,12 @@ std::string processor_name() {
 
 }  // namespace
 
+std::string run_record_text(const RunRecord& record) {
+  return to_json(record).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 void write_run_record(const std::filesystem::path& path, const RunRecord& record) {
-  write_file(path, to_json(record).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(path, run_record_text(record));
 }
 
 std::optional<RunRecord> read_run_record(const std::filesystem::path& path) {
@@ -87,6 +105,16 @@ std::optional<RunRecord> read_run_record(const std::filesystem::path& path) {
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;  // of another version: the folder is a run's all the same, but its totals are lost
   }
+}
+
+std::string how_it_ended(const RunRecord& record, const std::vector<Worker>& at_work) {
+  if (!record.ended.empty()) return record.ended;
+  if (record.exit_status) return "with exit status " + std::to_string(*record.exit_status);
+  const bool is_alive = std::any_of(at_work.begin(), at_work.end(),
+                                    [&](const Worker& worker) { return describe(worker) == record.caller; });
+  return is_alive ? "not yet: " + record.caller + " is at work"
+                  : std::string(without_a_word) + ": killed, or its machine went down" +
+                        (record.caller.empty() ? "" : " (" + record.caller + ", begun " + record.began + ")");
 }
 
 std::string host_description() {

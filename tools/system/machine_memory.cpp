@@ -1,6 +1,7 @@
 #include "tools/system/machine_memory.h"
 
 #include <fmt/format.h>
+#include <sched.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <vector>
 
 namespace umax {
 namespace {
@@ -46,20 +48,39 @@ long long left_by(const fs::path& group) {
   return std::max(0LL, *limit - std::max(0LL, held));
 }
 
-/// The same of ours and of all above it.
-long long left_by_groups(const fs::path& root) {
+/// Processors whose time a cgroup leaves: "150000 100000" are one and a half.
+double processors_left_by(const fs::path& group) {
+  std::ifstream file(group / "cpu.max");
+  double quota = 0, period = 0;
+  return file >> quota >> period && period > 0 ? quota / period : std::numeric_limits<double>::infinity();
+}
+
+/// Our cgroup and all above it.
+std::vector<fs::path> groups_of_ours(const fs::path& root) {
   const fs::path top = root / "sys/fs/cgroup";
-  long long left = left_by(top);
+  std::vector<fs::path> groups{top};
   std::ifstream file(root / "proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {
     if (!line.starts_with("0::/")) continue;  // the others are of version 1
-    for (fs::path group = line.substr(4); !group.empty(); group = group.parent_path())
-      left = std::min(left, left_by(top / group));
+    for (fs::path group = line.substr(4); !group.empty(); group = group.parent_path()) groups.push_back(top / group);
   }
+  return groups;
+}
+
+long long left_by_groups(const fs::path& root) {
+  long long left = unlimited;
+  for (const fs::path& group : groups_of_ours(root)) left = std::min(left, left_by(group));
   return left;
 }
 
 }  // namespace
+
+double allowed_processors(const fs::path& root) {
+  cpu_set_t ours;
+  double allowed = sched_getaffinity(0, sizeof ours, &ours) == 0 ? CPU_COUNT(&ours) : 1;
+  for (const fs::path& group : groups_of_ours(root)) allowed = std::min(allowed, processors_left_by(group));
+  return allowed;
+}
 
 long long available_memory(const fs::path& root) {
   const auto kib = number_after(root / "proc/meminfo", "MemAvailable:");

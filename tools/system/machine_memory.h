@@ -1,4 +1,4 @@
-// How much memory there is: what the machine can give, and what the user says.
+// How much memory there is, and how many processors: what the machine can give, and what the user says.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,9 @@ namespace umax {
 /// [bytes] that this machine can give, without swap; no more than the cgroups (version 2) that we are in leave. root:
 /// where the system's files are.
 long long available_memory(const std::filesystem::path& root = "/");
+
+/// Processors that this process may run on; no more than their time that the cgroups (version 2) that we are in leave.
+double allowed_processors(const std::filesystem::path& root = "/");
 
 /// "8G", "500M", "1.5 GiB", "1000000" -> bytes; K, M, G and T are powers of 1024. Nothing where that is no positive
 /// size.

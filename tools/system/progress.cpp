@@ -164,6 +164,7 @@ void Progress::clear_bar() {
 }
 
 void Progress::note(const std::string& text) {
+  if (witness_.note) witness_.note(text);
   if (style_ == Style::none) return;
   if (style_ == Style::listener) {
     if (listener_.note) listener_.note(text);
@@ -181,6 +182,7 @@ void Progress::note(const std::string& text) {
 }
 
 void Progress::warning(const std::string& text) {
+  if (witness_.warning) witness_.warning(text);
   if (style_ == Style::listener) {
     if (listener_.warning) listener_.warning(text);
     return;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <utility>
 
 namespace umax {
 
@@ -58,13 +59,16 @@ class Progress {
   /// "umax: warning: …" on stderr, whatever the mode.
   void warning(const std::string& text);
 
+  /// Who is told notes and warnings beside, whatever the mode; an empty one: nobody any more.
+  void set_witness(ProgressListener witness) { witness_ = std::move(witness); }
+
  private:
   enum class Style { none, bar, plain, json, listener };
   void show_bar();
   void clear_bar();
 
   std::FILE* stream_ = nullptr;
-  ProgressListener listener_;
+  ProgressListener listener_, witness_;
   Style style_;
   bool bar_shown_ = false;
   ProgressLine line_;
