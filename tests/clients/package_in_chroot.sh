@@ -1,16 +1,13 @@
 #!/usr/bin/env bash
 # The packages of tools/package: lintian finds no error in them, and in a fresh Debian without a compiler they are installed,
 # drop a mesh and are imported. Prints how long the way to the first clip is, downloads left out.
-# usage: package_in_chroot.sh PACKAGE_FOLDER    as root, or with sudo; needs debootstrap and lintian
+# usage: package_in_chroot.sh PACKAGE_FOLDER [SUITE]    as root, or with sudo; needs debootstrap and lintian
+# SUITE: "trixie"; without: the Debian that runs it
 set -euo pipefail
 packages=$(realpath "$1")
-[ "$(id -u)" -eq 0 ] || exec sudo "$0" "$packages"
+suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
+[ "$(id -u)" -eq 0 ] || exec sudo "$0" "$packages" "$suite"
 fail() { echo "FAILED: $*"; exit 1; }
-debs=("$packages"/*.deb)
-[ ${#debs[@]} -eq 3 ] || fail "there are ${#debs[@]} packages in $packages, not 3: run tools/package"
-lintian --allow-root --fail-on error "${debs[@]}" || fail "lintian finds errors"
-
-suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
 scratch=$(mktemp -d)
 root=$scratch/root
 finish() {
@@ -20,23 +17,11 @@ finish() {
 trap finish EXIT
 debootstrap --variant=minbase "$suite" "$root" >"$scratch/debootstrap.log" 2>&1 || { tail -5 "$scratch/debootstrap.log"; fail "debootstrap"; }
 mount -t proc proc "$root/proc"
+debs=("$packages"/*"~deb$(. "$root/etc/os-release" && echo "$VERSION_ID")_amd64.deb")
+[ ${#debs[@]} -eq 3 ] || fail "there are ${#debs[@]} packages for $suite in $packages, not 3: run tools/package"
+lintian --allow-root --fail-on error "${debs[@]}" || fail "lintian finds errors"
 cp "${debs[@]}" "$root/tmp/"
-cat >"$root/tmp/mesh.obj" <<'OBJ'
-v 1 0 0
-v -1 0 0
-v 0 1 0
-v 0 -1 0
-v 0 0 1
-v 0 0 -1
-f 1 3 5
-f 3 2 5
-f 2 4 5
-f 4 1 5
-f 3 1 6
-f 2 3 6
-f 4 2 6
-f 1 4 6
-OBJ
+cp "$(dirname "${BASH_SOURCE[0]}")/../support/octahedron.obj" "$root/tmp/mesh.obj"
 within() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 sh -euc "cd /tmp; $1" </dev/null; }
 install='apt-get install -y -qq --no-install-recommends'
 within "apt-get update -qq; $install -d ./umax_*.deb >/dev/null"
