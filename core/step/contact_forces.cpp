@@ -306,7 +306,7 @@ GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<Con
     const ContactState before = state;
     result.converged = sweep(problem, state).are_within(options.tolerance) ||
                        moves_nothing(problem, before, state, 0.1 * options.tolerance);
-    if (result.converged) break;
+    if (result.converged || result.sweeps == options.max_sweeps) break;  // a mean may be outside of the cones
     add(before.forces, state, sweeps);
     take_mean(sweeps, state);
     if (result.sweeps < next_try) continue;
