@@ -58,12 +58,13 @@ def until(what, check, seconds=20):
 def settled(value):
     """what it tells once it tells the same for a while: a last picture may be on its way"""
     last = value()
-    while True:
+    for _ in range(40):
         time.sleep(0.5)
         now = value()
         if now == last:
             return now
         last = now
+    raise AssertionError(f"waited in vain: {last} goes on changing")
 
 
 def check(what, is_so):
@@ -347,11 +348,21 @@ def test_people(page, live):
     check("reloading reconnects", True)
 
 
+def pause(page):
+    """The frame at which it stands still. Right after a page is loaded, what it says of playing may be of before."""
+    for _ in range(5):
+        if page.is_playing():
+            page.click("play")
+            until("a pause", lambda: not page.is_playing())
+        frame = page.frame("frame")
+        time.sleep(1)
+        if page.frame("frame") == frame and not page.is_playing():
+            return frame
+    raise AssertionError("waited in vain: a pause that lasts")
+
+
 def test_saving(page, program, folder):
-    if page.is_playing():
-        page.click("play")
-        until("a pause", lambda: not page.is_playing())
-    frames = settled(lambda: page.frame("frame"))
+    frames = pause(page)
     page.click("save")
     until("the scene saved", lambda: "session-01.toml" in page.text("toast"))
     page.click("render")
