@@ -154,7 +154,7 @@ std::vector<TakenStep> taken_steps(const Model& model, const VectorXd& step, con
 }
 
 double correction(const VectorXd& step, const TakenStep& before) {
-  if (before.step.size() == 0) return 1;
+  if (before.step.isZero(0)) return 1;  // there was none, or the body is held as a whole
   const double along = step.dot(before.step), square = before.step.squaredNorm();
   if (std::abs(along) < same_direction * step.norm() * before.step.norm()) return 1;
   const double curvature = (1 - along / square) / before.factor;  // [-] the true one over the matrix's

@@ -265,7 +265,7 @@ void add(const VectorXd& before, const ContactState& end, Sweeps& sweeps) {
   sweeps.ends.push_back(end);
 }
 
-// Moves the state from the end of the last sweep to the mean of the last ends, weighted so that the same mean of their
+// Moves the state, which is the end of the last sweep, to the mean of the last ends, weighted so that the same mean of their
 // changes is least; weights add up to 1, and may be negative.
 void take_mean(Sweeps& sweeps, ContactState& state) {
   const auto earlier = Eigen::Index(sweeps.changes.size()) - 1;
@@ -280,7 +280,7 @@ void take_mean(Sweeps& sweeps, ContactState& state) {
     sweeps = {};
     return;
   }
-  const ContactState last = state;
+  const ContactState& last = sweeps.ends.back();
   for (Eigen::Index i = 0; i < earlier; ++i) {
     const ContactState& end = sweeps.ends[std::size_t(i)];
     state.forces += weights[i] * (end.forces - last.forces);

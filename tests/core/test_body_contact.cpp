@@ -63,6 +63,20 @@ TEST_CASE("a block comes to rest on another one, whichever is listed first") {
   CHECK(lowest_of(model, state, 1 - below) > 0.15);
 }
 
+TEST_CASE("a ball comes to rest on a block that is held as a whole") {
+  Body block = touchable_block("block", {3, 1, 3}, {0, 0, 0}, 0.1);
+  for (int node = 0; node < int(block.lattice.num_nodes()); ++node) block.fixed_nodes.push_back(node);
+  const Model model = make_model({block, touchable_ball("ball", 3, {0.15, 0.24, 0.15}, 0.1)}, {});
+  State state = rest_state(model);
+  simulate(model, StepOptions(), 40, state, [&](const StepReport& report, const State& now) {
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.max_penetration < 1e-4);
+    CHECK(now.positions.topRows(model.bodies[1].first_node) ==
+          model.rest_positions.topRows(model.bodies[1].first_node));
+  });
+  CHECK(!state.contacts.empty());
+}
+
 TEST_CASE("bodies that may not touch pass through each other") {
   Body left = touchable_block("left", {2, 2, 2}, {0, 0, 0}, 0.1);
   Body right = touchable_block("right", {2, 2, 2}, {0.25, 0, 0}, 0.1);

@@ -79,6 +79,9 @@ TEST_CASE("a step that distorts many hexes is left to be cut as a whole") {
 TEST_CASE("steps along the last one are stretched where they creep, cut where they go to and fro") {
   const VectorXd before = VectorXd::LinSpaced(30, -1, 2);
   CHECK(correction(before, {}) == 1);
+  const VectorXd none = VectorXd::Zero(before.size());  // of a body that is held as a whole
+  CHECK(correction(none, {none}) == 1);
+  CHECK(correction(before, {none}) == 1);
   CHECK(correction(0.5 * before, {before}) == Approx(2.0));
   CHECK(correction(-0.9 * before, {before}) == Approx(1 / 1.9));
   CHECK(correction(0.3 * before, {before}) == 1);            // falls fast by itself
