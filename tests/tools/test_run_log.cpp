@@ -93,7 +93,8 @@ TEST_CASE("a run that crashes says so in its record and its log, and goes on") {
   CHECK(record_of(run)["exit_status"] == 139);
   CHECK(record_of(run)["ended"] == "crashed by SIGSEGV");
   CHECK(lines_of(run / "run.log").back() == "crashed by SIGSEGV");
-  CHECK(!fs::exists(run / ".run.json.part-crash"));  // a state that was being written may be half there, as after a kill
+  CHECK(
+      !fs::exists(run / ".run.json.part-crash"));  // a state that was being written may be half there, as after a kill
   CHECK(exit_code_of({"simulate", (folder / "block.toml").string(), "-o", run.string(), "--resume"}) == 0);
   CHECK(!has_half_written_files(run));
   CHECK(record_of(run)["ended"] == "finished");
