@@ -6,11 +6,11 @@
 #include "tests/tools/error_code_of.h"
 #include "tests/tools/program.h"
 #include "tools/trials/snippet.h"
+#include "tools/trials/variants.h"
 #include "tools/trials/workers.h"
 #include "tools/tune/measures.h"
 #include "tools/tune/preview.h"
 #include "tools/tune/tune_page.h"
-#include "tools/tune/variants.h"
 
 #include "render/image/image_io.h"
 #include "scenes/scene_file.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene_document.h"
-#include "tools/tune/variants.h"
+#include "tools/trials/variants.h"
 
 namespace umax {
 

@@ -8,7 +8,7 @@
 #include "tools/system/progress.h"
 #include "tools/trials/trial_runs.h"
 #include "tools/tune/tune_folder.h"
-#include "tools/tune/variants.h"
+#include "tools/trials/variants.h"
 
 namespace umax {
 

@@ -1,4 +1,4 @@
-#include "tools/tune/variants.h"
+#include "tools/trials/variants.h"
 
 #include <fmt/format.h>
 
@@ -89,7 +89,7 @@ Variation parse_variation(const std::string& text) {
 }
 
 std::vector<SceneVariant> combinations(const std::vector<Variation>& variations) {
-  if (variations.empty()) refuse("umax tune", "nothing is varied", "", example);
+  if (variations.empty()) refuse("--vary", "nothing is varied", "", example);
   std::vector<std::string> keys;
   long long count = 1;
   for (const Variation& variation : variations) {
@@ -100,7 +100,7 @@ std::vector<SceneVariant> combinations(const std::vector<Variation>& variations)
     }
     count *= (long long)(variation.values.size());
     if (count > most_variants)
-      refuse("umax tune", fmt::format("makes at most {} variants", most_variants), std::to_string(count) + " or more",
+      refuse("--vary", fmt::format("makes at most {} variants", most_variants), std::to_string(count) + " or more",
              "vary fewer keys at once, or give fewer values");
   }
   std::vector<SceneVariant> variants;

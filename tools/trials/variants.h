@@ -1,4 +1,4 @@
-// The variants of a scene that are put side by side: every combination of the values that --vary lists.
+// The variants of a scene: every combination of the values that --vary lists.
 #pragma once
 
 #include <string>
