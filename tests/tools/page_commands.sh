@@ -78,6 +78,7 @@ run() { # LINE
     turntable) words+=("${small[@]}" --frames 1-2) ;;
     tune) words+=(--size 32x18 --set clip.frames=8) ;;
     aim) words+=("${small[@]}") ;;
+    farm) case "${words[2]}" in status | cancel) ;; *) words+=("${small[@]}") ;; esac ;;
     reproduce) words+=(corrections --quick) ;;  # the one experiment that takes no time
   esac
   echo "-- ${words[*]}"

@@ -57,17 +57,6 @@ TEST_CASE("an unknown verb or option names the nearest") {
   CHECK(contains(message_of({"run", "beam", "--smaples=2"}), "--samples"));
 }
 
-TEST_CASE("verbs that are not built say so and are absent from the help") {
-  for (const std::string verb : {"farm"}) {
-    CAPTURE(verb);
-    CHECK(contains(message_of({verb.c_str()}), "not in this version"));
-    CHECK(contains(message_of({verb.c_str(), "falling", "--threads", "2"}), "not in this version"));
-    CHECK(error_code_of([&] { help_text(verb); }) == 2);
-    CHECK(!contains(help_text(), "umax " + verb));
-    CHECK(!contains(help_text(), "\n  " + verb + " "));
-  }
-}
-
 TEST_CASE("an option of another verb is wrong usage") {
   CHECK(contains(message_of({"compare", "a", "b", "--samples", "4"}), "does not go with umax compare"));
   CHECK(contains(message_of({"run", "beam", "--stretch", "10%"}), "does not go with umax run"));

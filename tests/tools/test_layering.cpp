@@ -66,8 +66,9 @@ const std::map<std::string, std::vector<std::string>> rooms_below{
     {"tools/trials", {"tools/run"}},
     {"tools/tune", {"tools/trials", "tools/pages"}},
     {"tools/aim", {"tools/trials", "tools/pages"}},
+    {"tools/farm", {"tools/trials"}},
     {"tools/reproduce", {"tools/run", "tools/pages"}},
-    {"tools/cli", {"tools/live", "tools/tune", "tools/aim", "tools/reproduce", "tools/fit"}},
+    {"tools/cli", {"tools/live", "tools/tune", "tools/aim", "tools/farm", "tools/reproduce", "tools/fit"}},
     {"tools/python", {"tools/run", "tools/fit", "tools/pages"}},
     {"tools/benchmarks", {"tools/live", "tools/run", "tools/reproduce", "embedding/foreign_files"}}};
 
@@ -84,6 +85,7 @@ const std::vector<std::pair<std::string, std::string>> shut_doors{
     {"tools/live", "core/contact"},     {"tools/live", "core/element"},      {"tools/live", "core/linear"},
     {"tools/trials", "core/contact"},   {"tools/trials", "core/linear"},     {"tools/trials", "core/element"},
     {"tools/aim", "core/contact"},      {"tools/aim", "core/linear"},        {"tools/aim", "core/element"},
+    {"tools/farm", "core/contact"},     {"tools/farm", "core/linear"},       {"tools/farm", "core/element"},
     {"tools/cli", "core/contact"},      {"tools/cli", "core/linear"},        {"tools/python", "core/contact"},
     {"tools/python", "core/linear"},    {"tools/python", "core/element"}};
 
@@ -193,8 +195,8 @@ const std::map<std::string, std::set<std::string>> rooms_of_library{
     {"assimp", {"embedding/foreign_files"}},
     {"Draco", {"embedding/foreign_files"}},
     {"json",
-     {"embedding/cameras", "embedding/foreign_files", "tools/aim", "tools/benchmarks", "tools/cli", "tools/live",
-      "tools/reproduce", "tools/run", "tools/trials", "tools/tune"}},
+     {"embedding/cameras", "embedding/foreign_files", "tools/aim", "tools/benchmarks", "tools/cli", "tools/farm",
+      "tools/live", "tools/reproduce", "tools/run", "tools/trials", "tools/tune"}},
     {"libjpeg", {"render/image"}},
     {"libpng", {"render/image"}},
     {"pybind11", {"tools/python"}},

@@ -195,7 +195,7 @@ Table look_table() {
 Table tune_table() {
   return {{.name = "--vary",
            .value = "KEY=A,B,C",
-           .description = "tune: run the scene once for each value; repeatable: every combination; as in --vary "
+           .description = "tune, farm: run the scene once for each value; repeatable: every combination; as in --vary "
                           "body.figure.limit.stretch=5%,10%,20%; aim: KEY=A..B, the range of a key; repeatable",
            .target = &Options::variations},
           {.name = "--want",
@@ -206,6 +206,24 @@ Table tune_table() {
            .description = "vary material.preset over all presets (umax presets)",
            .target = &Options::presets},
           {.name = "--final", .description = "the scene as it is, not a preview of it", .target = &Options::final}};
+}
+
+Table farm_table() {
+  return {{.name = "--frames-per-job",
+           .value = "N",
+           .description = "farm: frames that a job draws (default: 10)",
+           .target = &Options::frames_per_job,
+           .range = OptionRange{1, 1e7}},
+          {.name = "--queue",
+           .value = "QUEUE",
+           .description =
+               "farm: slurm (default), here (this machine, for trying), or a file of functions as queue.sh in the "
+               "farm's folder",
+           .target = &Options::queue,
+           .examples = {"slurm", "here"}},
+          {.name = "--dry-run",
+           .description = "farm: print the scripts and what would be submitted, and do nothing",
+           .target = &Options::dry_run}};
 }
 
 Table live_table() {
@@ -293,7 +311,7 @@ const std::vector<OptionDefinition>& option_table() {
   static const Table all = [] {
     Table joined;
     for (const Table& part : {run_table(), picture_table(), mesh_table(), export_table(), look_table(), tune_table(),
-                              live_table(), fit_table(), general_table()})
+                              farm_table(), live_table(), fit_table(), general_table()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
   }();

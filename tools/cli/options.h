@@ -52,9 +52,13 @@ struct Options {
   std::optional<std::string> stage;    // "studio" | "sky" | "plain"
   std::optional<int> count;            // drop: of bodies in all
 
-  std::vector<std::string> variations;  // tune: --vary key=a,b,c; aim: key=a..b
+  std::vector<std::string> variations;  // tune, farm: --vary key=a,b,c; aim: key=a..b
   std::vector<std::string> wants;       // aim
   bool final = false, presets = false;  // tune: not only a preview; every preset
+
+  std::optional<int> frames_per_job;  // farm: that a job draws
+  std::optional<std::string> queue;   // farm: "slurm" | "here" | a file
+  bool dry_run = false;               // farm
 
   std::optional<int> port, keep;  // live: where it listens; frames that stay on the disk
   bool no_browser = false;        // live

@@ -29,7 +29,7 @@ struct Verb {
 /// All, in the order in which help lists them.
 const std::vector<Verb>& verbs();
 
-/// Throws Error (usage): a verb of a later version, or none at all, naming the nearest.
+/// Throws Error (usage) that names the nearest when there is none.
 const Verb& find_verb(const std::string& name);
 
 bool takes_option(const Verb& verb, const std::string& long_name);

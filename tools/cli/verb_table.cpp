@@ -7,21 +7,14 @@
 // Every verb, in the order of help: verb_NAME.cpp defines `Verb NAME_verb()`.
 #define UMAX_VERBS(verb)                                                                                               \
   verb(run) verb(simulate) verb(render) verb(encode) verb(turntable) verb(strip) verb(drop) verb(export) verb(inspect) \
-      verb(scenes) verb(presets) verb(reproduce) verb(tune) verb(aim) verb(live) verb(fit) verb(compare) verb(doctor)  \
-          verb(help)
+      verb(scenes) verb(presets) verb(reproduce) verb(tune) verb(aim) verb(live) verb(farm) verb(fit) verb(compare)    \
+          verb(doctor) verb(help)
 
 namespace umax {
 
 #define UMAX_DECLARE(name) Verb name##_verb();
 UMAX_VERBS(UMAX_DECLARE)
 #undef UMAX_DECLARE
-
-namespace {
-
-/// Those that are promised for later versions.
-const std::vector<std::string> not_built{"farm"};
-
-}  // namespace
 
 const std::vector<Verb>& verbs() {
 #define UMAX_CALL(name) name##_verb(),
@@ -36,9 +29,6 @@ const Verb& find_verb(const std::string& name) {
     if (verb.name == name) return verb;
     known.push_back(verb.name);
   }
-  if (std::find(not_built.begin(), not_built.end(), name) != not_built.end())
-    throw Error(Fault::usage,
-                {.what = "umax " + name + ": not in this version", .remedy = "see umax help for what there is"});
   throw Error(Fault::usage, {.what = "unknown verb \"" + name + "\"",
                              .remedy = "did you mean umax " + nearest_word(name, known) + "? See umax help"});
 }

@@ -7,8 +7,8 @@
 #include "scenes/scene_document.h"
 #include "tools/system/progress.h"
 #include "tools/trials/trial_runs.h"
-#include "tools/tune/tune_folder.h"
 #include "tools/trials/variants.h"
+#include "tools/tune/tune_folder.h"
 
 namespace umax {
 

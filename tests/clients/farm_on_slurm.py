@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""umax farm on a real scheduler: a process that is killed in the middle, a chunk that reaches past the clip, two variants, a
+job that is cancelled and gone on with. The result must be the bytes of one machine.
+
+usage: farm_on_slurm.py PROGRAM"""
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+from slurm_cluster import Cluster
+
+SCENE = """[clip]
+frames = 20
+substeps = 4
+[body.block]
+shape = "box"
+size = [0.4, 0.4, 0.4]
+position = [0, 0.34, 0]
+rotation = [10, 0, 20]
+cage.cells = [6, 6, 6]
+material.young = "20 kPa"
+limit.stretch = "10 %"
+[obstacle.ground]
+shape = "plane"
+[render]
+size = [160, 90]
+samples = 3
+"""
+FRAMES = 20
+CHUNK = 8  # 20 frames: the third chunk reaches past the clip
+VARY = ["--vary", "body.block.limit.stretch=5%,10%"]
+
+
+class Farm:
+    """A farm in a folder of its own, whose name has blanks and signs."""
+
+    def __init__(self, program, cluster, folder, words=()):
+        self.program, self.cluster, self.folder = program, cluster, folder
+        self.words = ["farm", "block.toml", "-o", folder.name, "--frames-per-job", str(CHUNK), "--threads", "1", "--set",
+                      "clip.frames=20", *words]
+
+    def __call__(self, *words):
+        result = subprocess.run([self.program, *words], cwd=self.folder.parent, env=self.cluster.environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        return result.returncode, result.stdout, result.stderr
+
+    def done(self, *words):
+        code, output, errors = self(*words)
+        assert code == 0, f"{words}: exit code {code}\n{output}{errors}"
+        return output
+
+    def submit(self, *words):
+        return self.done(*self.words, *words)
+
+    def status(self):
+        return json.loads(self.done("farm", "status", self.folder.name, "--json"))
+
+    def wait_until_whole(self, seconds=60):
+        end = time.monotonic() + seconds
+        while (status := self.status())["tasks"]:
+            assert time.monotonic() < end, f"{status}\n{self.cluster.report()}"
+            time.sleep(0.3)
+        logs = "".join(f"--- {log.name}\n{log.read_text()}" for log in sorted((self.folder / "farm/logs").iterdir()))
+        assert status["whole"], f"{status}\n{logs}{self.cluster.report()}"
+        return status
+
+    def kill_one(self, verb):
+        """kills a call of umax in the middle, once a first frame of it is there"""
+        what = "*.state" if verb == "simulate" else "frames/*.png"
+        self.cluster.wait_for(lambda: any(self.folder.rglob(what)), 30, f"frame of umax {verb}")
+        for process in Path("/proc").glob("[0-9]*"):
+            try:
+                words = (process / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if words[:2] == [self.program.encode(), verb.encode()] and any(str(self.folder).encode() in w for w in words):
+                os.kill(int(process.name), signal.SIGKILL)
+                return
+        raise AssertionError(f"no call of umax {verb} to kill")
+
+
+def without_time(steps):
+    """steps.csv without its column wall_ms"""
+    return [row.split(",")[:17] + row.split(",")[18:] for row in steps.read_text().splitlines()]
+
+
+def require_same_run(run, reference):
+    files = sorted(p.relative_to(reference) for p in reference.rglob("*") if p.is_file())
+    same = [f for f in files if f.parts[0] in ("states", "frames", "scene.toml", "clip.mp4", "motion.json")]
+    assert len(same) == 2 * FRAMES + 3, same
+    for file in same:
+        assert (run / file).read_bytes() == (reference / file).read_bytes(), f"{run / file} has other bytes"
+    assert without_time(run / "steps.csv") == without_time(reference / "steps.csv")
+
+
+def reference_run(program, folder, name, *words):
+    subprocess.run([program, "run", "block.toml", "-o", name, "--quiet", *words], cwd=folder, check=True)
+    return folder / name
+
+
+def is_killed_and_goes_on(program, cluster, folder):
+    farm = Farm(program, cluster, folder / "one run, 50 %")
+    farm.submit()
+    code, _, errors = farm(*farm.words, "--resume")
+    assert code == 75 and "in the queue" in errors, (code, errors)
+    farm.kill_one("simulate")
+    farm.kill_one("render")
+    status = farm.wait_until_whole()
+    assert status["lost"] == 2 and status["recovered"] == 2, status
+    chunks = sorted(p.name for p in (farm.folder / "farm/calls").glob("render-*"))
+    assert chunks == ["render-1-1", "render-1-2", "render-1-3"], chunks
+    require_same_run(farm.folder, reference_run(program, folder, "one"))
+    assert "all is there" in farm.done("farm", "status", farm.folder.name)
+    return status
+
+
+def variants_wait_for_their_own(program, cluster, folder):
+    farm = Farm(program, cluster, folder / "variants", VARY)
+    farm.submit()
+    # a task that is taken away takes with it only what waits for the same variant; the same command goes on
+    jobs = {job["name"]: job["id"] for job in json.loads((farm.folder / "farm/farm.json").read_text())["jobs"]}
+    cluster.wait_for(lambda: any(farm.folder.rglob("runs/stretch=5%/states/*")), 30, "state")
+    cluster.call("scancel", f"{jobs['simulate']}_1")
+    end = time.monotonic() + 60
+    while (status := farm.status())["tasks"]:
+        assert time.monotonic() < end, f"{status}\n{cluster.report()}"
+        time.sleep(0.3)
+    assert [run["clip"] for run in status["runs"]] == [False, True], status
+    assert "--resume" in farm.done("farm", "status", farm.folder.name)
+    farm.submit("--resume")
+    status = farm.wait_until_whole()
+    for stretch in ("5%", "10%"):
+        require_same_run(farm.folder / f"runs/stretch={stretch}",
+                         reference_run(program, folder, f"alone {stretch}", "--set", f"body.block.limit.stretch={stretch}"))
+    return status
+
+
+def is_cancelled(program, cluster, folder):
+    farm = Farm(program, cluster, folder / "cancelled")
+    farm.submit()
+    cluster.wait_for(lambda: any(farm.folder.rglob("*.state")), 30, "state")
+    assert re.match(r"[1-9]\d* tasks? taken out", farm.done("farm", "cancel", farm.folder.name))
+    cluster.wait_for(lambda: not farm.status()["tasks"], 20, "empty queue")
+    assert not farm.status()["whole"]
+
+
+def a_refused_job_leaves_none(program, cluster, folder):
+    farm = Farm(program, cluster, folder / "refused", ["--memory", "4000G"])  # more than any node has
+    code, _, errors = farm(*farm.words)
+    assert code == 69 and "is not taken by the queue" in errors, (code, errors)
+    assert not cluster.call("squeue", "--noheader"), cluster.report()
+
+
+def main():
+    program = str(Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory(prefix="umax-farm-") as folder:
+        folder = Path(folder)
+        (folder / "block.toml").write_text(SCENE)
+        with Cluster(folder / "slurm") as cluster:
+            statuses = [is_killed_and_goes_on(program, cluster, folder),
+                        variants_wait_for_their_own(program, cluster, folder)]
+            is_cancelled(program, cluster, folder)
+            a_refused_job_leaves_none(program, cluster, folder)
+    print(f"passed: {sum(s['lost'] for s in statuses)} calls lost in jobs, "
+          f"{sum(s['recovered'] for s in statuses)} recovered, the bytes those of one machine")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+# How a farm's jobs speak to their queue: Slurm. "umax farm" calls these functions in bash, and every job reads this
+# file when it begins. For another queue write them anew, and name the file: umax farm SCENE --queue FILE.
+
+# The programs of the queue that are called here.
+queue_programs() {
+  echo sbatch squeue scancel
+}
+
+# The lines at the head of a job's script. NAME of the job; LOG, the beginning of the files for what its tasks say;
+# PROCESSORS and MEMORY [MiB] that a task gets, 0: as the queue gives them.
+job_header() { # NAME LOG PROCESSORS MEMORY
+  local log=${2//%/%%}
+  log=${log//\"/\\\"}
+  echo "#SBATCH --job-name=\"$1\""
+  echo "#SBATCH --output=\"$log-%A-%a.log\""
+  [ "$3" = 0 ] || echo "#SBATCH --cpus-per-task=$3"
+  [ "$4" = 0 ] || echo "#SBATCH --mem=$4M"
+  echo "# should the job before fail, this one goes, too; should a machine fail, the job begins again on another one"
+  echo "#SBATCH --kill-on-invalid-dep=yes"
+  echo "#SBATCH --requeue"
+}
+
+# Submits an array of TASKS tasks that run SCRIPT with the words behind it, and prints the array's number. AFTER: "-";
+# "all:ID", once all tasks of that array have ended well; "each:ID:ID…", each task once those of the same index have.
+# With UMAX_DRY_RUN it only prints the command.
+submit() { # TASKS AFTER SCRIPT [WORD…]
+  local tasks=$1 after=$2
+  shift 2
+  local command=(sbatch --parsable "--array=1-$tasks")
+  case $after in
+    all:*) command+=("--dependency=afterok:${after#all:}") ;;
+    each:*) command+=("--dependency=aftercorr:${after#each:}") ;;
+  esac
+  if [ -n "${UMAX_DRY_RUN:-}" ]; then
+    echo "${command[@]}" "${@@Q}"
+    return
+  fi
+  local answer
+  answer=$("${command[@]}" "$@") || return
+  echo "${answer%%;*}" # with several clusters their name stands behind it
+}
+
+# The index of the task that calls this, from 1.
+task_index() {
+  echo "${SLURM_ARRAY_TASK_ID:-1}"
+}
+
+# The processors that the task which calls this was given.
+task_processors() {
+  echo "${SLURM_CPUS_ON_NODE:-$(nproc)}"
+}
+
+# One line for each task of ours that has not ended: the array's number, and in a word what it does.
+unfinished_tasks() {
+  squeue --noheader --array --me --format='%F %T'
+}
+
+# Takes arrays out of the queue, and ends their tasks.
+cancel() { # ID…
+  scancel "$@"
+}
