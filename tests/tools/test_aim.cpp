@@ -6,9 +6,11 @@
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
 #include "tests/tools/program.h"
+#include "tools/run/run_record.h"
 #include "tools/run/steps_csv.h"
 #include "tools/trials/snippet.h"
 #include "tools/trials/trial_names.h"
+#include "tools/trials/trial_runs.h"
 
 #include "scenes/scene_file.h"
 
@@ -188,6 +190,28 @@ TEST_CASE("an aim that is stopped or killed goes on when resumed, to the same re
     CHECK(record_of(folder, signal) == record_of(folder, "whole"));
     CHECK(states_of(folder / signal / "runs/before") == states_of(folder / "whole/runs/before"));
   }
+}
+
+TEST_CASE("a trial that was killed behind its last state has work left, and one that has ended has not", "[aim]") {
+  const TemporaryFolder folder;
+  const TrialRun trial{"block", folder / "trial.toml", folder / "run"};
+  const std::string file = write_scene(folder, block_scene()).string();
+  REQUIRE(exit_code_of({"simulate", file, "-o", trial.run.string()}) == 0);
+  const Scene scene = load_scene(file);
+  Progress progress(stdout, ProgressMode::plain, true);
+  const TrialGoal goal{.last_frame = 12};
+  CHECK(!missing_work(trial, scene, goal, true, progress));
+
+  RunRecord record = read_run_record(trial.run / "run.json").value();
+  record.exit_status.reset();
+  record.ended.clear();
+  write_run_record(trial.run / "run.json", record);
+  fs::remove(trial.run / "motion.json");
+  const auto left = missing_work(trial, scene, goal, true, progress);
+  REQUIRE(left);
+  CHECK(umax_program(left->words).exit_code == 0);
+  CHECK(fs::exists(trial.run / "motion.json"));
+  CHECK(!missing_work(trial, scene, goal, true, progress));
 }
 
 TEST_CASE("the value of a key is read back from a scene, of parts of its things too", "[aim]") {

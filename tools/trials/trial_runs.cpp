@@ -24,7 +24,8 @@ namespace {
 struct Found {
   bool is_other = false;  // another version of it: another scene, mesh or solver
   int states = 0, pictures = 0;
-  bool is_whole = false;  // with pictures and clip, of these very settings
+  bool has_ended = false;  // well: nothing that belongs to its states is missing
+  bool is_whole = false;   // with pictures and clip, of these very settings
 };
 
 /// A run's scene without the lights that it got on its way from a scene that wants some.
@@ -56,7 +57,8 @@ Found look_for(const Scene& scene, const fs::path& run, bool is_ours) {
   if (found.is_other) return found;
   found.states = std::min(count_states(run), scene.clip.frames);
   if (same_scene) found.pictures = std::min(count_pictures(run), scene.clip.frames);
-  found.is_whole = same_scene && record->exit_status == 0 && found.states == scene.clip.frames &&
+  found.has_ended = record->exit_status == 0;
+  found.is_whole = same_scene && found.has_ended && found.states == scene.clip.frames &&
                    found.pictures == scene.clip.frames && fs::exists(run / "clip.mp4", error);
   return found;
 }
@@ -81,7 +83,8 @@ WorkerOptions worker_options(const TrialOptions& options) {
 std::optional<WorkItem> missing_work(const TrialRun& trial, const Scene& scene, const TrialGoal& goal, bool is_ours,
                                      Progress& progress) {
   const Found found = look_for(scene, trial.run, is_ours);
-  if (found.is_whole || (!goal.pictures && found.states >= goal.last_frame)) return std::nullopt;
+  const bool is_simulated = found.states >= goal.last_frame && found.has_ended;
+  if (found.is_whole || (!goal.pictures && is_simulated)) return std::nullopt;
   if (found.is_other) progress.note(trial.name + ": was made with other settings, and is made anew");
   write_file(trial.scene, resolved_toml(scene));
   WorkItem item;
