@@ -65,12 +65,14 @@ struct FakeQueue {
   void set_tasks(const std::string& text) const { make_file(notes.string() + ".tasks", text); }
 };
 
-/// Calls go_on of task_functions.sh with a umax that ends with these codes, one after the other, then with 0.
+/// Calls go_on of task_functions.sh with a umax that ends with these codes, one after the other, then with 0. more: commands
+/// before it.
 struct Attempts {
   int code = 0;
-  std::string calls;  // "begins 137 begins 0"
+  std::string calls;   // "begins 137 begins 0"
+  std::string output;  // of the calls
 };
-Attempts go_on(const std::string& codes) {
+Attempts go_on(const std::string& codes, const std::string& more = ":") {
   const TemporaryFolder folder;
   const FarmPlan plan = plan_of(1, 10, 5);
   const FarmPaths paths = farm_paths(folder.path(), false);
@@ -82,11 +84,13 @@ Attempts go_on(const std::string& codes) {
   fs::permissions(folder / "umax", fs::perms::owner_all);
   make_file(paths.farm() / "task.sh",
             script_named(farm_scripts(plan, paths, queue_functions("slurm"), (folder / "umax").string()), "task.sh"));
-  const ProcessResult result = run_process({"bash", "-c",
-                                            ". " + (paths.farm() / "task.sh").string() +
-                                                "; sleep() { :; }; most_lost=2 most_waits=3; go_on call render DIR"});
+  const ProcessResult result =
+      run_process({"bash", "-c",
+                   ". " + (paths.farm() / "task.sh").string() + "; sleep() { :; }; most_lost=2 most_waits=3; " + more +
+                       "; go_on call render DIR"});
   INFO(result.messages);
-  return {result.exit_code, bash("cut -d' ' -f3 " + (paths.calls() / "call").string() + " | paste -sd' '")};
+  return {result.exit_code, bash("cut -d' ' -f3 " + (paths.calls() / "call").string() + " | paste -sd' '"),
+          result.output};
 }
 
 }  // namespace
@@ -169,6 +173,19 @@ TEST_CASE("a job goes on after a kill and waits for a folder in use, and ends wi
   check("70", 70, "begins 70");
   check("137 139 134 0", 134, "begins 137 begins 139 begins 134");
   check("75 75 75 75", 75, "begins 75 begins 75 begins 75 begins 75");
+}
+
+TEST_CASE("a task whose deadline is over goes back into the queue, and one that waits for a folder does not",
+          "[farm]") {
+  const std::string requeue = "requeue_task() { note_call call requeued; SECONDS=0; }; deadline_seconds=50;";
+  CHECK(go_on("75 0", requeue + "SECONDS=50").calls == "begins 75 requeued begins 0\n");
+  CHECK(go_on("75 0", requeue + "SECONDS=20").calls == "begins 75 begins 0\n");
+  CHECK(go_on("75 0", "requeue_task() { return 1; }; deadline_seconds=50 SECONDS=60").code == 1);
+
+  // a call gets what is left of it
+  CHECK(go_on("", requeue + "SECONDS=20; umax=echo").output == "render DIR --progress plain --deadline 30\n");
+  CHECK(go_on("", requeue + "SECONDS=70; umax=echo").output == "render DIR --progress plain --deadline 1\n");
+  CHECK(go_on("", "umax=echo").output == "render DIR --progress plain\n");
 }
 
 TEST_CASE("a dry run prints scripts and commands, and leaves no folder", "[farm]") {

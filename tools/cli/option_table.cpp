@@ -40,7 +40,8 @@ Table run_table() {
        .short_name = "-o",
        .value = "DIR",
        .description = "the folder of the run (default: ./NAME, the scene's or mesh's name; reproduce: ./report; "
-                      "tune, aim, fit, live: ./NAME-tune, ./NAME-aim, ./NAME-fit, ./NAME-live); strip, inspect --map, "
+                      "tune, aim, fit, live: ./NAME-tune, ./NAME-aim, ./NAME-fit, ./NAME-live; farm with --vary: "
+                      "./NAME-farm); strip, inspect --map, "
                       "--picture: the "
                       "picture (./strip.png, "
                       "./NAME-limit-map.png, ./NAME-overlaps.png)",

@@ -73,7 +73,7 @@ Verb encode_verb() {
           "names. A picture that is missing or damaged is an error that names it.",
       .examples = {"umax render falling --no-clip --frames 1-75", "umax encode falling"},
       .arguments = {.folders = true},
-      .options = {"--frames", "--progress", "--quiet", "--verbose"},
+      .options = {"--frames", "--deadline", "--progress", "--quiet", "--verbose"},
       .run = encode_run};
 }
 

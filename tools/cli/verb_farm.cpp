@@ -26,6 +26,7 @@ FarmRequest request_of(const Options& options) {
   request.processors = options.threads.value_or(0);
   request.memory = memory_limit(options);
   request.isa = options.isa;
+  request.deadline = deadline_of(options).value_or(0);
   return request;
 }
 
@@ -77,19 +78,19 @@ Verb farm_verb() {
           "what a whole job has left is gone on with by the same command with --resume. umax farm status DIR says what "
           "is "
           "there, what is in the queue and what was lost; umax farm cancel DIR takes its jobs out of the queue. "
-          "--threads "
-          "and --memory are what each task asks the queue for; the environment's SBATCH_PARTITION, SBATCH_TIMELIMIT "
-          "and "
-          "others say more. --dry-run prints scripts and commands. Another queue is a file of a few functions in bash: "
+          "--threads and --memory are what each task asks the queue for; the environment's SBATCH_PARTITION, "
+          "SBATCH_TIMELIMIT and "
+          "others say more, and a task whose --deadline is over goes back into the queue. --dry-run prints scripts and "
+          "commands. Another queue is a file of a few functions in bash: "
           "--queue FILE.",
       .examples = {"umax farm figure -o falling --frames-per-job 20 --threads 8 --memory 8G",
                    "umax farm figure --vary body.figure.limit.stretch=5%,10%,20% --dry-run",
                    "umax farm status falling"},
       .arguments = {.words = scenes_and_words, .endings = {"toml"}, .folders = true},
-      .options = {"--output",  "--set",     "--vary",      "--frames-per-job", "--queue",
-                  "--dry-run", "--resume",  "--overwrite", "--allow-overlap",  "--quick",
-                  "--engine",  "--samples", "--size",      "--seed",           "--threads",
-                  "--isa",     "--memory",  "--json",      "--progress",       "--quiet"},
+      .options = {"--output",  "--set",       "--vary",     "--frames-per-job", "--queue", "--dry-run",
+                  "--resume",  "--overwrite", "--deadline", "--allow-overlap",  "--quick", "--engine",
+                  "--samples", "--size",      "--seed",     "--threads",        "--isa",   "--memory",
+                  "--json",    "--progress",  "--quiet"},
       .run = farm};
 }
 

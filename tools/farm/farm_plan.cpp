@@ -57,6 +57,7 @@ FarmPlan plan_farm(const FarmRequest& request) {
   plan.frames_per_job = request.frames_per_job;
   plan.processors = request.processors;
   plan.memory = request.memory.value_or(0);
+  plan.deadline = request.deadline;
   plan.isa = request.isa.value_or("");
   for (const NamedSettings& run : runs_of(request, base.name)) {
     std::vector<Override> settings = request.settings;

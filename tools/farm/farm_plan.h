@@ -19,6 +19,7 @@ struct FarmRequest {
   int processors = 0;                        // of a task; 0: as the queue gives them
   std::optional<long long> memory = {};      // [bytes] of a task
   std::optional<std::string> isa = {};       // "avx2": see pin_instruction_set()
+  double deadline = 0;                       // [s] after which a call ends and its task is queued again; 0: none
 };
 
 struct FarmRun {
@@ -35,6 +36,7 @@ struct FarmPlan {
   int frames_per_job = 10;    // see FarmRequest
   int processors = 0;         //
   long long memory = 0;       // [bytes] of a task; 0: as the queue gives it
+  double deadline = 0;        // [s]; 0: none
   std::string isa = {};       // empty: the best that a machine has
   int num_chunks() const { return (num_frames + frames_per_job - 1) / frames_per_job; }
 };

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "tools/farm/farm_files.h"
 #include "tools/trials/trial_names.h"
 
@@ -37,6 +39,7 @@ runs={runs}
 frames_per_job={chunk}
 simulate_options={options}
 calls={calls}
+deadline_seconds={seconds}  # after which a task goes back into the queue, from its beginning; 0: none
 most_lost=5      # times that a task goes on after umax was killed, crashed or could not write
 most_waits=60    # times that it waits for a folder in which another umax is at work
 wait_seconds=10
@@ -46,7 +49,8 @@ wait_seconds=10
              fmt::arg("isa", isa_line(plan)), fmt::arg("scenes", word_list(scenes)), fmt::arg("runs", word_list(runs)),
              fmt::arg("chunk", plan.frames_per_job),
              fmt::arg("options", plan.memory > 0 ? fmt::format("(--memory {})", plan.memory) : "()"),
-             fmt::arg("calls", shell_word(paths.calls().string()))) +
+             fmt::arg("calls", shell_word(paths.calls().string())),
+             fmt::arg("seconds", (long long)(std::ceil(plan.deadline)))) +
          farm_file("task_functions.sh");
 }
 

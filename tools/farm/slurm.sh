@@ -3,7 +3,7 @@
 
 # The programs of the queue that are called here.
 queue_programs() {
-  echo sbatch squeue scancel
+  echo sbatch squeue scancel scontrol
 }
 
 # The lines at the head of a job's script. NAME of the job; LOG, the beginning of the files for what its tasks say;
@@ -48,6 +48,11 @@ task_index() {
 # The processors that the task which calls this was given.
 task_processors() {
   echo "${SLURM_CPUS_ON_NODE:-$(nproc)}"
+}
+
+# Puts the task that calls this back into the queue, which ends it: it begins again, and goes on, when it gets a machine.
+requeue_task() {
+  scontrol requeue "$SLURM_JOB_ID" && sleep 600
 }
 
 # One line for each task of ours that has not ended: the array's number, and in a word what it does.
