@@ -32,8 +32,8 @@ if(UMAX_FUZZ)  # clang's: what libFuzzer is led by in every file, and what it fa
   target_compile_definitions(umax_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(umax_options INTERFACE ${fuzz_sanitizers})
 endif()
-if(UMAX_COVERAGE)
-  target_compile_options(umax_options INTERFACE --coverage)
+if(UMAX_COVERAGE)  # counted in many threads
+  target_compile_options(umax_options INTERFACE --coverage -fprofile-update=atomic)
   target_link_options(umax_options INTERFACE --coverage)
 endif()
 
