@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/base/parallel.h"
@@ -43,6 +44,17 @@ double way_against(const Encounter& encounter, const std::vector<Motions>& motio
   return longest;
 }
 
+// what is known of an encounter that has been found anew, with other hexes of the body
+Clearances::OfEncounter carried_over(const Encounter& before, const Encounter& now, Clearances::OfEncounter known) {
+  if (known.until.empty()) return {};
+  std::vector<int> seen, unseen;
+  std::set_difference(before.others.begin(), before.others.end(), known.unseen.begin(), known.unseen.end(),
+                      std::back_inserter(seen));
+  std::set_difference(now.others.begin(), now.others.end(), seen.begin(), seen.end(), std::back_inserter(unseen));
+  known.unseen = std::move(unseen);
+  return known;
+}
+
 }  // namespace
 
 void complete(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
@@ -69,10 +81,14 @@ void complete(const Model& model, const TouchableBodies& touchable, const std::v
   };
   for (std::size_t i = 0; i < encounters.all.size(); ++i) {
     Encounter& encounter = encounters.all[i];
-    if (left[std::size_t(model.hex_body[encounter.hex])] || left[std::size_t(encounter.body)]) continue;
     while (next != renewed.all.end() && place(*next) < place(encounter)) take_renewed();
-    all.push_back(std::move(encounter));
-    kept.push_back(std::move(clearances.of_encounters[i]));
+    if (!left[std::size_t(model.hex_body[encounter.hex])] && !left[std::size_t(encounter.body)]) {
+      all.push_back(std::move(encounter));
+      kept.push_back(std::move(clearances.of_encounters[i]));
+    } else if (next != renewed.all.end() && place(*next) == place(encounter)) {
+      take_renewed();
+      kept.back() = carried_over(encounter, all.back(), std::move(clearances.of_encounters[i]));
+    }
   }
   while (next != renewed.all.end()) take_renewed();
   encounters.all = std::move(all);

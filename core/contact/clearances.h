@@ -19,8 +19,9 @@ struct Clearances {
     double way = 0;  // [m] that the hexes have moved against each other, in the world or in the body's material
     std::vector<double>
         until;  // of that, per vertex of the hex in the order of VertexClusters::points: it cannot touch
-                // before
+                // before; empty: nothing is known yet
     double least = -std::numeric_limits<double>::infinity();  // of these, or less
+    std::vector<int> unseen;  // hexes of Encounter::others that `until` does not know, ascending
   };
   Points positions;       // #N x 3 [m] of the last search; none yet: empty
   Encounters encounters;  // complete around the positions
@@ -28,7 +29,8 @@ struct Clearances {
 };
 
 /// Encounters that are complete at the positions: those of bodies that have left the margin [cells] around where they were
-/// expected are found anew, and their vertices looked at anew; all of them where there are none yet.
+/// expected are found anew; all of them where there are none yet. What is known of a hex's vertices against a body stays, and
+/// hexes of the body that are new to it are unseen.
 void complete(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
               const Points& positions, double margin, Clearances& clearances);
 

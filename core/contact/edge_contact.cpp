@@ -24,7 +24,7 @@ struct EdgeHit {
 // phi(X(P)): rest distance of the material at P; moving the material by n moves phi by -|F^-T grad phi|
 bool edge_hit(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach, EdgeHit& hit) {
   MaterialPoint material;
-  if (!find_material(model, positions, hex, point, reach, material)) return false;
+  if (!find_material(hex_maps(model, positions, hex), point, reach, material)) return false;
   const DistanceSample phi = signed_distance(*model.bodies[model.hex_body[hex]].rest_distance, material.rest);
   const Vector3d pulled = material.F_inverse.transpose() * phi.gradient;
   hit.weights = material.weights;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/contact/material_point.h"
-
 namespace umax {
 namespace {
 
@@ -102,13 +100,13 @@ bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex
 
 }  // namespace
 
-bool hold(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
-          const Vector3d& position, int other_hex, double reach, HeldVertex& held) {
+bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
+          const HexMaps& other, double reach, HeldVertex& held) {
   MaterialPoint material;
-  if (!find_material(model, positions, other_hex, position, reach, material)) return false;
-  const Model::BodyRange& body = body_of(model, other_hex);
+  if (!find_material(other, position, reach, material)) return false;
+  const Model::BodyRange& body = body_of(model, other.hex);
   held.vertex = vertex;
-  held.other = {other_hex, material.weights};
+  held.other = {other.hex, material.weights};
   held.F_inverse = material.F_inverse;
   held.X = body.rest_pose.local(material.rest);
   held.X0 = body.rest_pose.local(material.rest + away_at(model, apart, held));

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/contact/contact.h"
+#include "core/contact/material_point.h"
 
 namespace umax {
 
@@ -38,10 +39,10 @@ inline double tolerance_between(const Model& model, int hex, int other_hex) {
   return std::min(tolerance_depth(model, hex), tolerance_depth(model, other_hex));
 }
 
-/// The vertex as the hex sees it; false where the hex does not hold it. apart: #N x 3 [m] where it was last outside. reach: as
-/// in find_material().
-bool hold(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
-          const Vector3d& position, int other_hex, double reach, HeldVertex& held);
+/// The vertex as the other hex sees it; false where that does not hold it. apart: #N x 3 [m] where it was last outside. reach:
+/// as in find_material(). position: [m] of the vertex, at which the hex has these maps.
+bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
+          const HexMaps& other, double reach, HeldVertex& held);
 
 /// Is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
 bool is_clear(const RestSurface& surface, const HeldVertex& held);

@@ -10,9 +10,6 @@ namespace {
 
 constexpr double settled = 1e-8;  // [-] change of a local coordinate, beyond which Newton's method has its square left
 
-// The trilinear map of a hex as a polynomial: the columns are the factors of 1, s0, s1, s2, s1 s2, s0 s2, s0 s1, s0 s1 s2.
-using Trilinear = Eigen::Matrix<double, 3, 8>;
-
 double sign_of(int corner, int axis) {
   return corner & (4 >> axis) ? 1 : -1;
 }
@@ -26,17 +23,17 @@ Eigen::Matrix<double, 8, 8> polynomial_of_corners() {
   return factors / 8;
 }
 
-Trilinear trilinear(const Matrix8x3d& nodes) {
+TrilinearMap trilinear(const Matrix8x3d& nodes) {
   static const Eigen::Matrix<double, 8, 8> factors = polynomial_of_corners();
   return nodes.transpose() * factors;
 }
 
-Vector3d place(const Trilinear& map, const Vector3d& s) {
+Vector3d place(const TrilinearMap& map, const Vector3d& s) {
   return map.col(0) + s[0] * map.col(1) + s[1] * map.col(2) + s[2] * map.col(3) + s[1] * s[2] * map.col(4) +
          s[0] * s[2] * map.col(5) + s[0] * s[1] * map.col(6) + s[0] * s[1] * s[2] * map.col(7);
 }
 
-Matrix3d gradient(const Trilinear& map, const Vector3d& s) {
+Matrix3d gradient(const TrilinearMap& map, const Vector3d& s) {
   Matrix3d columns;
   columns.col(0) = map.col(1) + s[2] * map.col(5) + s[1] * map.col(6) + s[1] * s[2] * map.col(7);
   columns.col(1) = map.col(2) + s[2] * map.col(4) + s[0] * map.col(6) + s[0] * s[2] * map.col(7);
@@ -45,7 +42,7 @@ Matrix3d gradient(const Trilinear& map, const Vector3d& s) {
 }
 
 // local coordinates of the point in the map; false if one is beyond reach
-bool invert(const Trilinear& map, const Vector3d& point, double reach, Vector3d& s) {
+bool invert(const TrilinearMap& map, const Vector3d& point, double reach, Vector3d& s) {
   s.setZero();
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Matrix3d jacobian = gradient(map, s);
@@ -60,16 +57,17 @@ bool invert(const Trilinear& map, const Vector3d& point, double reach, Vector3d&
 
 }  // namespace
 
-bool find_material(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach,
-                   MaterialPoint& material) {
-  const Trilinear map = trilinear(hex_nodes(model, positions, hex));
+HexMaps hex_maps(const Model& model, const Points& positions, int hex) {
+  return {hex, trilinear(hex_nodes(model, positions, hex)), trilinear(hex_nodes(model, model.rest_positions, hex))};
+}
+
+bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material) {
   Vector3d s;
-  if (!invert(map, point, reach, s)) return false;
-  const Trilinear rest = trilinear(hex_nodes(model, model.rest_positions, hex));
-  const Matrix3d F = gradient(map, s) * gradient(rest, s).inverse();
+  if (!invert(maps.world, point, reach, s)) return false;
+  const Matrix3d F = gradient(maps.world, s) * gradient(maps.rest, s).inverse();
   if (!(F.determinant() > 0)) return false;
   material.weights = shape_functions(s);
-  material.rest = place(rest, s);
+  material.rest = place(maps.rest, s);
   material.F_inverse = F.inverse();
   return true;
 }
@@ -78,6 +76,7 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const Matrix8x3d nodes = hex_nodes(model, positions, hex), rest = hex_nodes(model, model.rest_positions, hex);
   HexBounds bounds;
+  bounds.maps = {hex, trilinear(nodes), trilinear(rest)};
   for (int n = 0; n < 8; ++n) bounds.box.extend(nodes.row(n).transpose());
   bounds.centre = nodes.colwise().mean().transpose();
   bounds.rest_centre = rest.colwise().mean().transpose();

@@ -16,14 +16,25 @@ struct MaterialPoint {
   Matrix3d F_inverse = Matrix3d::Identity();  // of the deformation gradient there
 };
 
+/// A trilinear map of local coordinates s as a polynomial: the columns are the factors of 1, s0, s1, s2, s1 s2, s0 s2, s0 s1,
+/// s0 s1 s2.
+using TrilinearMap = Eigen::Matrix<double, 3, 8>;
+
+/// Where a hex has its material [m], deformed and at rest.
+struct HexMaps {
+  int hex = 0;
+  TrilinearMap world, rest;
+};
+HexMaps hex_maps(const Model& model, const Points& positions, int hex);
+
 /// The material of the hex at the point, by Newton's method. False where it is more than `reach` half sizes from the
 /// hex's centre along an axis, or where the hex is turned inside out.
-bool find_material(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach,
-                   MaterialPoint& material);
+bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material);
 
 /// Bounds of where find_material() finds points of a hex, at the cost of a product: the trilinear map differs from an
 /// affine one by no more than it does at the corners.
 struct HexBounds {
+  HexMaps maps;
   Eigen::AlignedBox3d box;                     // of the deformed hex
   Matrix3d rest_from_world, local_from_world;  // of the affine map
   Vector3d centre, rest_centre;                // [m]

@@ -43,6 +43,11 @@ Support vertex_support(const Meeting& meeting, int k) {
   return {meeting.hex, meeting.model.surface.weights.row(meeting.vertices[k]).transpose()};
 }
 
+// of the point from the box, squared [m^2]
+double squared_distance(const Eigen::AlignedBox3d& box, const Vector3d& point) {
+  return (box.min() - point).cwiseMax(point - box.max()).cwiseMax(0.0).squaredNorm();
+}
+
 // How far [m] points within a radius of this one are at least from touching in the hex; 0 or less: they may.
 double clear_of(const Meeting& meeting, const OtherHex& other, const Vector3d& position, double radius) {
   const double outside = distance_from(*other.bounds, position) - radius;
@@ -51,47 +56,92 @@ double clear_of(const Meeting& meeting, const OtherHex& other, const Vector3d& p
   return distance > other.largest_move ? distance : 0;
 }
 
+// The same of those of the hexes in which they do not. Calls may_touch(other) for all others, of which its box tells most.
+template <class MayTouch>
+double clear_of_all(const Meeting& meeting, const std::vector<OtherHex>& others, const Vector3d& position,
+                    double radius, const MayTouch& may_touch) {
+  double least = infinity, least_squared = infinity;
+  for (const OtherHex& other : others) {
+    const double squared = squared_distance(other.box, position);
+    if (squared > radius * radius) {
+      least_squared = std::min(least_squared, squared);
+      continue;
+    }
+    const double clear = clear_of(meeting, other, position, radius);
+    if (clear > 0)
+      least = std::min(least, clear);
+    else
+      may_touch(other);
+  }
+  return std::min(least, std::sqrt(least_squared) - radius);
+}
+
 // on which way of the hexes a vertex that is so far from touching [m] may touch at the earliest
 double clear_until(const Meeting& meeting, double clear) {
   return meeting.clearance.way + (1 - rounding) * clear;
 }
 
-// What bounds tell of the vertices of a cluster, the first of which is `first`: of all together, and where these are near,
-// of each.
-void look_at_cluster(const Meeting& meeting, const VertexCluster& cluster, int first) {
-  const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
-  double least = infinity;
-  std::vector<const OtherHex*> near;
-  for (const OtherHex& other : meeting.others) {
-    const double clear = clear_of(meeting, other, sphere.centre, sphere.radius);
-    if (clear > 0)
-      least = std::min(least, clear);
-    else
-      near.push_back(&other);
+// Calls visit(cluster, number of its first vertex among those of the hex).
+template <class Visit>
+void for_each_cluster(const Meeting& meeting, const Visit& visit) {
+  int first = 0;
+  for (int c = meeting.clusters.hex_starts[meeting.hex]; c < meeting.clusters.hex_starts[meeting.hex + 1]; ++c) {
+    const VertexCluster& cluster = meeting.clusters.all[std::size_t(c)];
+    visit(cluster, first);
+    first += cluster.count;
   }
+}
+
+// how many vertices of the cluster may touch by what is known
+int num_near(const Meeting& meeting, const VertexCluster& cluster, int first) {
+  const auto begin = meeting.clearance.until.begin() + first;
+  return int(
+      std::count_if(begin, begin + cluster.count, [&](double value) { return !(value > meeting.clearance.way); }));
+}
+
+// What bounds tell of the vertices of a cluster, the first of which is `first`, against these hexes: of all together, and
+// where these are near, of each. Calls tell(until, on which way the vertex may touch at the earliest).
+template <class Tell>
+void look_at_cluster(const Meeting& meeting, const std::vector<OtherHex>& others, const VertexCluster& cluster,
+                     int first, const Tell& tell) {
+  const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
+  std::vector<OtherHex> near;
+  const double least = clear_of_all(meeting, others, sphere.centre, sphere.radius,
+                                    [&](const OtherHex& other) { near.push_back(other); });
   for (int k = first; k < first + cluster.count; ++k) {
     double of_vertex = least;
     if (!near.empty()) {
       const Vector3d position = meeting.nodes.transpose() * vertex_support(meeting, k).weights;
-      for (const OtherHex* other : near) of_vertex = std::min(of_vertex, clear_of(meeting, *other, position, 0));
+      bool may_touch = false;
+      const double clear = clear_of_all(meeting, near, position, 0, [&](const OtherHex&) { may_touch = true; });
+      of_vertex = may_touch ? 0 : std::min(least, clear);
     }
-    double& until = meeting.clearance.until[std::size_t(k)];
-    until = std::max(until, clear_until(meeting, of_vertex));
+    tell(meeting.clearance.until[std::size_t(k)], clear_until(meeting, of_vertex));
   }
 }
 
 // The same of those clusters of the hex of which at least so many vertices may touch by what is known.
 void look_at_clusters(const Meeting& meeting, int least_near) {
-  const std::vector<double>& until = meeting.clearance.until;
-  int first = 0;
-  for (int c = meeting.clusters.hex_starts[meeting.hex]; c < meeting.clusters.hex_starts[meeting.hex + 1]; ++c) {
-    const VertexCluster& cluster = meeting.clusters.all[std::size_t(c)];
-    const auto begin = until.begin() + first;
-    const auto near =
-        std::count_if(begin, begin + cluster.count, [&](double value) { return !(value > meeting.clearance.way); });
-    if (near >= least_near) look_at_cluster(meeting, cluster, first);
-    first += cluster.count;
-  }
+  for_each_cluster(meeting, [&](const VertexCluster& cluster, int first) {
+    if (num_near(meeting, cluster, first) >= least_near)
+      look_at_cluster(meeting, meeting.others, cluster, first,
+                      [](double& known, double until) { known = std::max(known, until); });
+  });
+}
+
+// Of hexes that are new to the encounter; vertices that may touch anyway learn nothing from them.
+void look_at_unseen(const Meeting& meeting) {
+  std::vector<int>& unseen = meeting.clearance.unseen;
+  if (unseen.empty()) return;
+  std::vector<OtherHex> others;
+  for (const OtherHex& other : meeting.others)
+    if (std::binary_search(unseen.begin(), unseen.end(), other.hex)) others.push_back(other);
+  for_each_cluster(meeting, [&](const VertexCluster& cluster, int first) {
+    if (num_near(meeting, cluster, first) < cluster.count)
+      look_at_cluster(meeting, others, cluster, first,
+                      [](double& known, double until) { known = std::min(known, until); });
+  });
+  unseen.clear();
 }
 
 void find_near(Meeting& meeting) {
@@ -137,7 +187,6 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
   Meeting meeting{model,
                   search.step.geometry->clusters,
                   before,
-                  positions,
                   model.bodies[encounter.body],
                   encounter.hex,
                   first_vertex(search.step.geometry->clusters, encounter.hex),
@@ -146,15 +195,16 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   {},
                   {},
                   search.clearances.of_encounters[i]};
-  if (meeting.clearance.least > meeting.clearance.way) return meeting;
+  if (meeting.clearance.least > meeting.clearance.way && meeting.clearance.unseen.empty()) return meeting;
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
   for (const int other : encounter.others) {
     const HexBounds& bounds = search.bounds[std::size_t(other)];
-    meeting.others.push_back(
-        {other, &bounds, bounds.largest_inverse * largest_motion(model, before, positions, encounter.hex, other)});
+    meeting.others.push_back({other, bounds.box, &bounds,
+                              bounds.largest_inverse * largest_motion(model, before, positions, encounter.hex, other)});
   }
   std::vector<double>& until = meeting.clearance.until;
   if (until.empty()) until.assign(num_vertices(meeting.clusters, encounter.hex), -infinity);
+  look_at_unseen(meeting);
   look_at_clusters(meeting, worth_a_look);
   find_near(meeting);
   return meeting;
@@ -163,18 +213,18 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
 bool find_held(const Meeting& meeting, int k, HeldVertex& held) {
   const Support vertex = vertex_support(meeting, k);
   const Vector3d position = meeting.nodes.transpose() * vertex.weights;
-  double least = infinity;
-  for (const OtherHex& other : meeting.others) {
-    double clear = clear_of(meeting, other, position, 0);
-    if (!(clear > 0) &&
-        hold(meeting.model, meeting.apart, meeting.positions, vertex, position, other.hex, within_hex, held)) {
-      if (!is_clear(*meeting.body.rest_surface, held)) return true;
+  bool is_held = false;
+  double least_held = infinity;  // of hexes that may hold it, or do
+  const double least = clear_of_all(meeting, meeting.others, position, 0, [&](const OtherHex& other) {
+    double clear = 0;
+    if (!is_held && hold(meeting.model, meeting.apart, vertex, position, other.bounds->maps, within_hex, held)) {
+      is_held = !is_clear(*meeting.body.rest_surface, held);
       clear = held.bounds.low;
     }
-    least = std::min(least, clear);
-  }
-  meeting.clearance.until[std::size_t(k)] = clear_until(meeting, least);
-  return false;
+    least_held = std::min(least_held, clear);
+  });
+  if (!is_held) meeting.clearance.until[std::size_t(k)] = clear_until(meeting, std::min(least, least_held));
+  return is_held;
 }
 
 void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch& touch) {
@@ -182,7 +232,8 @@ void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch
   if (least > 0) {  // a hex that is folded over the one that holds the vertex may hold it, too
     const Vector3d position = meeting.nodes.transpose() * held.vertex.weights;
     for (const OtherHex& other : meeting.others)
-      if (!share_node(meeting.model, other.hex, held.other.hex))
+      if (squared_distance(other.box, position) < least * least &&
+          !share_node(meeting.model, other.hex, held.other.hex))
         least = std::min(least, clear_of(meeting, other, position, 0));
   }
   meeting.clearance.until[std::size_t(k)] = clear_until(meeting, least);

@@ -30,6 +30,7 @@ ContactStep at_rest(const Model& model, const ContactGeometry& geometry, const P
 /// A hex of the touched body as its vertices' hex sees it.
 struct OtherHex {
   int hex = 0;
+  Eigen::AlignedBox3d box{};  // of the bounds
   const HexBounds* bounds = nullptr;
   double largest_move = 0;  // [m] of the vertices' hex against this one since its vertices were outside, at rest
 };
@@ -38,7 +39,7 @@ struct OtherHex {
 struct Meeting {
   const Model& model;
   const VertexClusters& clusters;
-  const Points &apart, &positions;
+  const Points& apart;  // #N x 3 [m]
   const Model::BodyRange& body;
   int hex = 0;
   const int* vertices = nullptr;  // of the hex, by cluster

@@ -22,7 +22,7 @@ constexpr double kept_share = 0.5;   // [penetration tolerances] that a kept pla
 bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
               const Vector3d& position, const std::vector<int>& hexes, HeldVertex& held) {
   return std::any_of(hexes.begin(), hexes.end(), [&](int other) {
-    return hold(model, apart, positions, vertex, position, other, within_hex, held);
+    return hold(model, apart, vertex, position, hex_maps(model, positions, other), within_hex, held);
   });
 }
 
@@ -125,13 +125,14 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     const int body = model.hex_body[contact.other.hex];
     const Points& before = apart.of(vertex.hex, body);
     HeldVertex held;
-    bool found = hold(model, before, positions, vertex, position, contact.other.hex, within_hex, held);
+    const HexMaps last = hex_maps(model, positions, contact.other.hex);
+    bool found = hold(model, before, vertex, position, last, within_hex, held);
     if (!found) {
       if (boxes.empty())
         for (const HexTree& tree : step.geometry->touchable.trees) boxes.push_back(boxes_at(tree, model, positions));
       found = hold_any(model, before, positions, vertex, position,
                        hexes_at(step, boxes[body], vertex.hex, body, position), held) ||
-              hold(model, before, positions, vertex, position, contact.other.hex, around_hex, held);
+              hold(model, before, vertex, position, last, around_hex, held);
     }
     Contact next = contact;
     follow(model, positions, contact);
@@ -143,8 +144,8 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
 
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact) {
   MaterialPoint material;
-  if (!find_material(model, positions, contact.other.hex, embedded_position(model, positions, contact.support),
-                     around_hex, material))
+  if (!find_material(hex_maps(model, positions, contact.other.hex),
+                     embedded_position(model, positions, contact.support), around_hex, material))
     return;
   contact.other.weights = material.weights;
   contact.position = contact_position(model, positions, contact);

@@ -148,8 +148,8 @@ bool are_deep(const ContactStep& step, const std::vector<Contact>& contacts) {
     HeldVertex held;
     const Vector3d position = embedded_position(model, step.positions_t0, contact.support);
     return contact.between_bodies() &&
-           hold(model, step.positions_t0, step.positions_t0, contact.support, position, contact.other.hex, around_hex,
-                held) &&
+           hold(model, step.positions_t0, contact.support, position,
+                hex_maps(model, step.positions_t0, contact.other.hex), around_hex, held) &&
            measure(model, held, {}).gap < -nearly_outside * tolerance_depth(model, contact);
   });
 }

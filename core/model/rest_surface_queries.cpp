@@ -161,8 +161,8 @@ DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point
   if (!cache.values) return {infinity, infinity};
   Vector3i at;
   for (int axis = 0; axis < 3; ++axis)
-    at[axis] = int(
-        std::clamp(std::round((point[axis] - cache.origin[axis]) / cache.spacing), 0.0, double(cache.size[axis] - 1)));
+    at[axis] = int(std::clamp(std::floor((point[axis] - cache.origin[axis]) / cache.spacing + 0.5), 0.0,
+                              double(cache.size[axis] - 1)));
   const Vector3d sample = cache.origin + cache.spacing * at.cast<double>();
   std::atomic<float>& value = cache.values[(std::size_t(at[0]) * cache.size[1] + at[1]) * cache.size[2] + at[2]];
   float distance = value.load(std::memory_order_relaxed);

@@ -1,5 +1,9 @@
 // What a search for contacts keeps from one look to the next, and what a part of a model takes over from the whole.
 #include "core/contact/clearances.h"
+
+#include <algorithm>
+#include <cmath>
+
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
 #include "core/contact/surface_overlap.h"
@@ -22,6 +26,21 @@ bool are_equal(const std::vector<Contact>& a, const std::vector<Contact>& b) {
     return one.point == other.point && one.other.hex == other.other.hex && one.gap == other.gap &&
            one.normal == other.normal && one.friction == other.friction;
   });
+}
+
+// A bar of 1 m along x, 10 cm thick, bent to a U whose walls are `gap` [m] apart.
+Points bent_to_u(const Points& bar, double gap) {
+  constexpr double thickness = 0.1, straight = 0.3;
+  const double radius = 0.5 * (gap + thickness), arc = std::acos(-1.0) * radius;
+  Points bent = bar;
+  for (Eigen::Index i = 0; i < bar.rows(); ++i) {
+    const double along = bar(i, 0), inwards = bar(i, 1) - 0.5 * thickness;
+    const double turn = std::clamp((along - straight) / radius, 0.0, std::acos(-1.0));
+    const double beyond = along < straight ? straight - along : std::max(0.0, along - straight - arc);
+    const double reach = radius - inwards;
+    bent.row(i) << -reach * std::cos(turn), beyond - reach * std::sin(turn), bar(i, 2);
+  }
+  return bent;
 }
 
 }  // namespace
@@ -103,6 +122,49 @@ TEST_CASE("looks at what has hardly moved are few") {
     }
   REQUIRE(all > 100);
   CHECK(near * 20 < all);
+}
+
+TEST_CASE("vertices far from what they could touch are looked at anew at another part of that body") {
+  constexpr double gap = 0.137;  // [m] between the walls of a U
+  const Model model = make_model(
+      {touchable_block("bar", {10, 1, 1}, {0, 0, 0}, 0.1), touchable_ball("ball", 1, {2, 0.15, 0.05}, 0.05)}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const Model::BodyRange &bar = model.bodies[0], &ball = model.bodies[1];
+  Points start = model.rest_positions;
+  start.topRows(bar.num_nodes) = bent_to_u(start.topRows(bar.num_nodes), gap);
+  start.middleRows(ball.first_node, ball.num_nodes).rowwise() += Eigen::RowVector3d(-0.5 * gap + 0.055 - 2, 0, 0);
+  const ContactStep remembering = fresh_step(model, geometry, start, start);
+  REQUIRE(surface_candidates(remembering, start, start, 0).empty());
+  Points positions = start;
+  positions.middleRows(ball.first_node, ball.num_nodes).col(0).array() += 0.034;  // 2 mm into the other wall
+  const std::vector<Contact> found = surface_candidates(remembering, start, positions, 0);
+  CHECK(!found.empty());
+  CHECK(are_equal(found, surface_candidates(fresh_step(model, geometry, start, positions), start, positions, 0)));
+}
+
+TEST_CASE("what is known of vertices stays when bodies leave the places where they were expected") {
+  const Model model = make_model(
+      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  Points positions = model.rest_positions;
+  const ContactStep step = fresh_step(model, geometry, positions, positions);
+  surface_candidates(step, model.rest_positions, positions, 0);
+  Clearances& clearances = *step.clearances;
+  const auto num_known = [&] {
+    return std::count_if(clearances.of_encounters.begin(), clearances.of_encounters.end(),
+                         [](const Clearances::OfEncounter& of) { return !of.until.empty(); });
+  };
+  const auto before = num_known();
+  REQUIRE(before > 10);
+  positions.col(0).array() += 0.05;  // half a cell, both
+  complete(model, geometry.touchable, geometry.hex_starts, positions, 0.15, clearances);
+  CHECK(clearances.encounters.expected == positions);
+  CHECK(num_known() == before);
+  positions.middleRows(model.bodies[1].first_node, model.bodies[1].num_nodes).col(0).array() += 0.05;  // one
+  complete(model, geometry.touchable, geometry.hex_starts, positions, 0.15, clearances);
+  CHECK(2 * num_known() > before);
+  CHECK(std::any_of(clearances.of_encounters.begin(), clearances.of_encounters.end(),
+                    [](const Clearances::OfEncounter& of) { return !of.unseen.empty(); }));
 }
 
 TEST_CASE("a part of a model has the contact geometry that it would make by itself") {

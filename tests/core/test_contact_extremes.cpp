@@ -47,7 +47,7 @@ std::optional<double> deepest_by_hand(const Model& model, const Points& position
     const Vector3d position = embedded_position(model, positions, {hex, model.surface.weights.row(point).transpose()});
     for (int other = range.first_hex; other < range.first_hex + range.num_hexes; ++other) {
       MaterialPoint material;
-      if (!find_material(model, positions, other, position, within_hex, material)) continue;
+      if (!find_material(hex_maps(model, positions, other), position, within_hex, material)) continue;
       const SurfaceHit hit = nearest_point(*range.rest_surface, range.rest_pose.local(material.rest), 1e9);
       const double gap = hit.distance / (material.F_inverse.transpose() * hit.normal).norm();
       if (gap < 0 && (!deepest || gap < *deepest)) deepest = gap;

@@ -76,7 +76,7 @@ double share_near(const ContactStep& step, const Points& positions) {
           embedded_position(model, positions, {encounter.hex, model.surface.weights.row(point).transpose()});
       MaterialPoint material;
       near[std::size_t(point)] |= std::any_of(encounter.others.begin(), encounter.others.end(), [&](int other) {
-        return find_material(model, positions, other, position, within_hex, material);
+        return find_material(hex_maps(model, positions, other), position, within_hex, material);
       });
     }
   return double(std::count(near.begin(), near.end(), 1)) / double(near.size());
