@@ -44,8 +44,8 @@ friction = 0.5
 SLIDER = "input[data-key='body.ball.limit.stretch']"
 
 
-def until(what, check, seconds=20):
-    """The first true value of check()."""
+def until(what, check, seconds=60):
+    """The first true value of check(). Seconds are for a machine that has much else to do."""
     end = time.time() + seconds
     while time.time() < end:
         found = check()
@@ -102,7 +102,7 @@ class Page:
     def __init__(self, address):
         self.browser = open_browser()
         self.browser.get(address)
-        until("a first picture", lambda: self.run("return window.umaxLive && umaxLive.frame !== null && umaxLive.hello !== null"), 40)
+        until("a first picture", lambda: self.run("return window.umaxLive && umaxLive.frame !== null && umaxLive.hello !== null"))
 
     def run(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
