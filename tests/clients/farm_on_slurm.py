@@ -18,7 +18,7 @@ from slurm_cluster import Cluster
 
 SCENE = """[clip]
 frames = 20
-substeps = 4
+substeps = 8
 [body.block]
 shape = "box"
 size = [0.4, 0.4, 0.4]
@@ -31,7 +31,7 @@ limit.stretch = "10 %"
 shape = "plane"
 [render]
 size = [160, 90]
-samples = 3
+samples = 12
 """
 FRAMES = 20
 CHUNK = 8  # 20 frames: the third chunk reaches past the clip
@@ -62,7 +62,7 @@ class Farm:
     def status(self):
         return json.loads(self.done("farm", "status", self.folder.name, "--json"))
 
-    def wait_until_whole(self, seconds=60):
+    def wait_until_whole(self, seconds=240):
         end = time.monotonic() + seconds
         while (status := self.status())["tasks"]:
             assert time.monotonic() < end, f"{status}\n{self.cluster.report()}"
@@ -74,7 +74,7 @@ class Farm:
     def kill_one(self, verb):
         """kills a call of umax in the middle, once a first frame of it is there"""
         what = "*.state" if verb == "simulate" else "frames/*.png"
-        self.cluster.wait_for(lambda: any(self.folder.rglob(what)), 30, f"frame of umax {verb}")
+        self.cluster.wait_for(lambda: any(self.folder.rglob(what)), 120, f"frame of umax {verb}")
         for process in Path("/proc").glob("[0-9]*"):
             try:
                 words = (process / "cmdline").read_bytes().split(b"\0")
@@ -126,9 +126,9 @@ def variants_wait_for_their_own(program, cluster, folder):
     farm.submit()
     # a task that is taken away takes with it only what waits for the same variant; the same command goes on
     jobs = {job["name"]: job["id"] for job in json.loads((farm.folder / "farm/farm.json").read_text())["jobs"]}
-    cluster.wait_for(lambda: any(farm.folder.rglob("runs/stretch=5%/states/*")), 30, "state")
+    cluster.wait_for(lambda: any(farm.folder.rglob("runs/stretch=5%/states/*")), 120, "state")
     cluster.call("scancel", f"{jobs['simulate']}_1")
-    end = time.monotonic() + 60
+    end = time.monotonic() + 240
     while (status := farm.status())["tasks"]:
         assert time.monotonic() < end, f"{status}\n{cluster.report()}"
         time.sleep(0.3)
@@ -145,9 +145,9 @@ def variants_wait_for_their_own(program, cluster, folder):
 def is_cancelled(program, cluster, folder):
     farm = Farm(program, cluster, folder / "cancelled")
     farm.submit()
-    cluster.wait_for(lambda: any(farm.folder.rglob("*.state")), 30, "state")
+    cluster.wait_for(lambda: any(farm.folder.rglob("*.state")), 120, "state")
     assert re.match(r"[1-9]\d* tasks? taken out", farm.done("farm", "cancel", farm.folder.name))
-    cluster.wait_for(lambda: not farm.status()["tasks"], 20, "empty queue")
+    cluster.wait_for(lambda: not farm.status()["tasks"], 60, "empty queue")
     assert not farm.status()["whole"]
 
 

@@ -77,7 +77,7 @@ class Cluster:
             self.start(["slurmctld", "-D", "-c", "-f", configuration])
             for node in self.nodes:
                 self.start(["slurmd", "-D", "-N", node, "-f", configuration])
-            self.wait_for(lambda: self.call("sinfo", "--noheader", "--format=%t %D").split() == ["idle", "2"], 30,
+            self.wait_for(lambda: self.call("sinfo", "--noheader", "--format=%t %D").split() == ["idle", "2"], 120,
                           "nodes that are idle")
         except BaseException:
             self.stop()
