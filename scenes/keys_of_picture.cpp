@@ -202,7 +202,7 @@ SceneSection render_section() {
            "gathered from the two pictures before and the two after, where they show the same points under the same "
            "light; true is spatial, false none (embree)");
   keys.add("preview", FlagKind(), UMAX_FIELD(preview),
-           "as fast as it goes, for a look at the motion: four paths a pixel and one bounce at most "
+           "as fast as it goes, for a look at the motion: two paths a pixel and one bounce at most "
            "(embree)");
   keys.add("seed", IntegerKind{.low = 0}, UMAX_FIELD(seed), "of the noise (embree)");
   keys.add("surface",

@@ -66,8 +66,8 @@ Image8 read_png8(const std::filesystem::path& path) {
   return image;
 }
 
-void write_png(const std::filesystem::path& path, const Image8& image) {
-  write_file(path, encode_png(image));
+void write_png(const std::filesystem::path& path, const Image8& image, PngEffort effort) {
+  write_file(path, encode_png(image, effort));
 }
 
 void write_png(const std::filesystem::path& path, const Image& linear) {

@@ -28,8 +28,11 @@ std::vector<Layer> read_exr(const std::filesystem::path& path);
 /// Reads a PNG as 8-bit codes; 16-bit files are rounded. Errors as read_image().
 Image8 read_png8(const std::filesystem::path& path);
 
+/// What a PNG's bytes are squeezed for: few of them, or little time.
+enum class PngEffort { small_file, little_time };
+
 /// Writes the codes as they are. The same picture gives the same bytes. Throws Error 73, 74; never leaves half a file.
-void write_png(const std::filesystem::path& path, const Image8& image);
+void write_png(const std::filesystem::path& path, const Image8& image, PngEffort effort = PngEffort::small_file);
 
 /// Writes a scene-linear picture with the plain sRGB curve, clipped to [0, 1]; for a filmic look use tone_map() first.
 void write_png(const std::filesystem::path& path, const Image& linear);
@@ -55,6 +58,6 @@ void write_exr(const std::filesystem::path& path, const std::vector<Layer>& laye
 void write_image(const std::filesystem::path& path, const Image& linear);
 
 /// The PNG file's bytes, for pages that carry their pictures in themselves.
-std::string encode_png(const Image8& image);
+std::string encode_png(const Image8& image, PngEffort effort = PngEffort::small_file);
 
 }  // namespace umax

@@ -166,6 +166,18 @@ TEST_CASE("the same picture gives the same bytes") {
   CHECK(encode_png(noise_codes(40, 40, 3)) == encode_png(noise_codes(40, 40, 3)));
 }
 
+TEST_CASE("a PNG that is written in little time holds the same codes") {
+  const auto path = output_folder() / "quick.png";
+  for (const int channels : {1, 3, 4}) {
+    const Image8 codes = noise_codes(37, 21, channels);
+    write_png(path, codes, PngEffort::little_time);
+    CHECK(read_png8(path).values == codes.values);
+  }
+  Image8 even(64, 64, 3);
+  std::fill(even.values.begin(), even.values.end(), std::uint8_t(7));
+  CHECK(encode_png(even, PngEffort::little_time).size() < even.values.size() / 10);
+}
+
 TEST_CASE("a run-length coded HDR picture is decoded") {
   const auto path = output_folder() / "sky.hdr";
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n";

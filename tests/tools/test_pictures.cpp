@@ -55,7 +55,7 @@ TEST_CASE("a preview has the light and the shadows of the picture") {
   CHECK(file_text(quick / "scene.toml").find("preview = true") != std::string::npos);
   const Image8 picture = read_png8(run / "frames/0008.png"), preview = read_png8(quick / "frames/0008.png");
   CHECK(preview.values != picture.values);
-  CHECK(flip(picture, preview).mean < 0.1);
+  CHECK(flip(picture, preview).mean < 0.05);
   // who says how many samples gets them
   REQUIRE(exit_code_of({"render", run.string(), "-o", (folder / "eight").string(), "--frames", "8", "--quick",
                         "--samples", "8"}) == 0);

@@ -132,7 +132,8 @@ void Painter::write(TracedPicture& picture, const RenderScene& shot, const std::
     std::filesystem::path exr = png;
     write_exr(exr.replace_extension(".exr"), picture.layers, picture.header);
   }
-  write_png(png, drawn_picture(picture, render_, shot).shown);
+  write_png(png, drawn_picture(picture, render_, shot).shown,
+            render_.preview ? PngEffort::little_time : PngEffort::small_file);
 }
 
 }  // namespace umax

@@ -14,8 +14,9 @@
 namespace umax {
 namespace {
 
-// of a preview
-constexpr int preview_samples = 4, preview_bounces = 1;
+constexpr int preview_bounces = 1;
+// [px] that a preview's filter draws from: with so few paths a larger window takes longer and shows hardly less noise
+constexpr int preview_radius = 3;
 
 // that a filter looks at: they share one sequence of samples, so that all of them together are spread well, and what stands
 // still is drawn from the same samples in every frame
@@ -29,7 +30,7 @@ PathTraceOptions trace_options(const RenderDescription& render, std::optional<in
   PathTraceOptions options;
   options.width = render.width;
   options.height = render.height;
-  options.samples = render.preview ? std::min(render.samples, preview_samples) : render.samples;
+  options.samples = render.preview ? std::min(render.samples, preview_paths) : render.samples;
   options.noise = render.preview ? 0 : render.noise;
   options.bounces = render.preview ? std::min(render.bounces, preview_bounces) : render.bounces;
   options.seed = render.seed;
@@ -194,7 +195,7 @@ TracedPicture finish_picture(TracedShot& traced, const RenderDescription& render
   else if (traced.frame)
     image.color = filter_gathered(image, window, centre);
   else if (denoised)
-    image.color = denoise(image);
+    image.color = render.preview ? denoise(image, {.radius = preview_radius}) : denoise(image);
   if (stop_flag()) return picture;
   const bool has_layers = !render.layers.empty();
   if (has_layers && !render.transparent) std::fill(image.alpha.values.begin(), image.alpha.values.end(), 1.0f);

@@ -12,6 +12,8 @@
 
 namespace umax {
 
+constexpr int preview_paths = 2;  // a pixel of a preview, at most
+
 struct TracedPicture {
   std::vector<Layer> layers;  // the colour first, with alpha (premultiplied) where it has one
   ExrHeader header;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/pictures/exposure.h"
+#include "tools/pictures/traced_picture.h"
 #include "tools/run/job_estimate.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/progress.h"
@@ -37,7 +38,7 @@ constexpr double encode_seconds_per_pixel = 5e-8;
 PictureJob picture_job(const Simulation& simulation, const std::vector<int>& drawn, int clip_frames, int threads) {
   const RenderDescription& render = simulation.scene.render;
   PictureJob job{.pixels = double(render.width) * render.height,
-                 .samples = double(render.preview ? std::min(render.samples, 4) : render.samples),
+                 .samples = double(render.preview ? std::min(render.samples, preview_paths) : render.samples),
                  .pictures = int(drawn.size()),
                  .window = 2 * filter_reach(render) + 1,
                  .clip_frames = clip_frames,
