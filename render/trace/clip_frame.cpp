@@ -44,6 +44,9 @@ SeenPoint seen_point(const Hit& hit, float slope, const TracedImage& traced, con
 // Pixels whose paths may have gone through clear matter: what they show moves otherwise than any surface.
 void set_clear_apart(const std::vector<Hit>& hits, const RenderScene& scene, ClipFrame& frame) {
   constexpr int reach = 2;  // [px] of the pixels' filter
+  if (std::none_of(scene.objects.begin(), scene.objects.end(),
+                   [](const RenderObject& object) { return object.look.transmission > 0; }))
+    return;
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
       const Hit& hit = hits[std::size_t(y) * frame.width + x];

@@ -75,10 +75,12 @@ void estimate_variance(const NoisyLight& noise, Planes& planes) {
   const Plane paths_near = box_mean(noise.of_paths, planes.width, planes.height, 1);
   const Plane paths_around = box_mean(noise.of_paths, planes.width, planes.height, 8);
   const Plane halves_around = box_mean(noise.of_halves, planes.width, planes.height, 8);
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const float ratio = paths_around[i] > 0 ? std::clamp(halves_around[i] / paths_around[i], 0.02f, 1.5f) : 1.0f;
-    planes.variance[i] = paths_near[i] * ratio;
-  }
+  parallel_blocks(Eigen::Index(planes.size()), 8192, [&](Eigen::Index begin, Eigen::Index end) {
+    for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
+      const float ratio = paths_around[i] > 0 ? std::clamp(halves_around[i] / paths_around[i], 0.02f, 1.5f) : 1.0f;
+      planes.variance[i] = paths_near[i] * ratio;
+    }
+  });
 }
 
 // the smaller of two one-sided differences: at an edge, the one that stays on the surface

@@ -52,8 +52,10 @@ void scale_pixel(NoisyLight& noisy, std::size_t i, float scale) {
 // out from all around it by no more than its own noise explains is lowered to them.
 void lower_sparks(NoisyLight& noisy) {
   Plane light(noisy.size());
-  for (std::size_t i = 0; i < noisy.size(); ++i)
-    light[i] = luminance(noisy.light[0][i], noisy.light[1][i], noisy.light[2][i]);
+  parallel_blocks(Eigen::Index(noisy.size()), 8192, [&](Eigen::Index begin, Eigen::Index end) {
+    for (auto i = std::size_t(begin); i < std::size_t(end); ++i)
+      light[i] = luminance(noisy.light[0][i], noisy.light[1][i], noisy.light[2][i]);
+  });
   parallel_blocks(noisy.height, 16, [&](Eigen::Index begin, Eigen::Index end) {
     for (int y = int(begin); y < int(end); ++y) {
       for (int x = 0; x < noisy.width; ++x) {
