@@ -112,13 +112,13 @@ Image rgb(const Image& image) {
 }
 
 // seconds that Cycles says it took; the picture is at `path`
-double run_cycles(const std::filesystem::path& path, int samples, int width, int height) {
+double run_cycles(const std::filesystem::path& path, int samples, int width, int height, int seed = 1) {
   const char* source = std::getenv("UMAX_SOURCE");
   if (!source) throw std::runtime_error("run this one through tools/bench");
-  const ProcessResult result =
-      run_process({"blender", "-b", "--factory-startup", "-P",
-                   std::string(source) + "/tools/benchmarks/bench_cycles.py", "--", model_path("armadillo.obj"),
-                   std::to_string(samples), "2", path.string(), std::to_string(width), std::to_string(height)});
+  const ProcessResult result = run_process({"blender", "-b", "--factory-startup", "-P",
+                                            std::string(source) + "/tools/benchmarks/bench_cycles.py", "--",
+                                            model_path("armadillo.obj"), std::to_string(samples), "2", path.string(),
+                                            std::to_string(width), std::to_string(height), std::to_string(seed)});
   std::smatch match;
   if (!std::regex_search(result.output, match, std::regex("SECONDS ([0-9.]+)")))
     throw std::runtime_error("blender did not render: " + result.messages);
@@ -170,10 +170,33 @@ BenchRows cycles_noise() {
                               root_mean_square(our_reference, their_reference)))};
 }
 
+// What a picture of the same noise takes: seconds and variance of 16 samples, as time grows with samples and variance falls
+// with them. The references have an equal share of noise of their own, which leaves the ratio as it is.
+BenchRows cycles_same_noise() {
+  if (!find_program("blender")) return {{"time to the noise of Cycles", "skipped: blender is not here", "", true}};
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "umax-bench-same-noise.exr";
+  constexpr int width = 1280, height = 720, samples = 16, reference_samples = 256;
+  double seconds = 0, our_seconds = 0;
+  const Image our_reference = ours(reference_samples, width, height, 2, seconds, file);
+  const double our_noise = root_mean_square(ours(samples, width, height, 1, our_seconds, file), our_reference);
+  run_cycles(file, reference_samples, width, height, 2);
+  const Image their_reference = rgb(read_image(file));
+  const double their_seconds = run_cycles(file, samples, width, height);
+  const double their_noise = root_mean_square(rgb(read_image(file)), their_reference);
+  const double variance_ratio = our_noise * our_noise / (their_noise * their_noise);
+  return {at_most("armadillo 1280x720: seconds to the same RMSE over Cycles'",
+                  our_seconds / their_seconds * variance_ratio, 0.3, "x",
+                  fmt::format("16 samples: {:.2f} s, RMSE {:.5f}, against {:.2f} s, {:.5f}", our_seconds, our_noise,
+                              their_seconds, their_noise))};
+}
+
 }  // namespace
 
 std::vector<Benchmark> picture_benchmarks() {
-  return {{"rays", false, false, rays}, {"cycles", false, true, cycles}, {"cycles-noise", true, true, cycles_noise}};
+  return {{"rays", false, false, rays},
+          {"cycles", false, true, cycles},
+          {"cycles-noise", true, true, cycles_noise},
+          {"cycles-same-noise", true, true, cycles_same_noise}};
 }
 
 }  // namespace umax
