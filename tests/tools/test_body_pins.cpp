@@ -1,6 +1,11 @@
 // Pins from scene files to steps: bones, paint, animations, and the way from rest to the first frame.
 #include "core/model/pins.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
 #include "core/files/read_file.h"
 #include "embedding/caches/point_cache.h"
 #include "scenes/scene_file.h"
@@ -33,13 +38,46 @@ f 1 5 3
 f 2 4 6
 )";
 
-/// The bone turns about z and rises, rigidly.
-Points bones_at(double time) {
+Points bone_vertices() {
   Points rest(6, 3);
   rest << -0.3, -0.005, -0.005, 0.1, -0.005, -0.005, -0.3, 0.005, -0.005, 0.1, 0.005, -0.005, -0.3, 0, 0.005, 0.1, 0,
       0.005;
+  return rest;
+}
+
+/// What turns about z and rises, rigidly.
+Points led(const Points& rest, double time) {
   const Matrix3d turn = Eigen::AngleAxisd(1.5 * time, Vector3d::UnitZ()).toRotationMatrix();
   return (rest * turn.transpose()).rowwise() + Eigen::RowVector3d(0, 0.3 * time, 0);
+}
+
+/// An animation of vertices that are led, over the clip of bar().
+void make_cache(const fs::path& path, const Points& rest) {
+  const ClipSpace clip{.fps = 60, .frames = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}};
+  PointCacheWriter cache(path, PointCacheKind::mdd, int(rest.rows()), clip);
+  for (int frame = 1; frame <= 20; ++frame) {
+    SurfaceFrame at;
+    at.positions = led(rest, (frame - 1) / 60.0).cast<float>();
+    cache.append(at);
+  }
+  cache.finish();
+}
+
+/// A box as a mesh file, and its vertices.
+Points make_box(const fs::path& path, const Vector3d& low, const Vector3d& high, bool inside_out = false) {
+  Points corners(8, 3);
+  std::string text;
+  for (int i = 0; i < 8; ++i) {
+    corners.row(i) << (i & 4 ? high : low).x(), (i & 2 ? high : low).y(), (i & 1 ? high : low).z();
+    text += fmt::format("v {} {} {}\n", corners(i, 0), corners(i, 1), corners(i, 2));
+  }
+  for (std::array<int, 4> face : {std::array{1, 2, 4, 3}, std::array{5, 7, 8, 6}, std::array{1, 5, 6, 2},
+                                  std::array{3, 4, 8, 7}, std::array{1, 3, 7, 5}, std::array{2, 6, 8, 4}}) {
+    if (inside_out) std::reverse(face.begin(), face.end());
+    text += fmt::format("f {} {} {} {}\n", face[0], face[1], face[2], face[3]);
+  }
+  make_file(path, text);
+  return corners;
 }
 
 std::string bar(const std::string& pin) {
@@ -85,22 +123,56 @@ State run(const Simulation& simulation, int steps, double allowed) {
 TEST_CASE("flesh follows bones thinner than a cell within a millionth of a metre, and the rest of it swings") {
   const TemporaryFolder folder;
   make_file(folder / "bones.obj", bones);
-  const ClipSpace clip{.fps = 60, .frames = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}};
-  PointCacheWriter cache(folder / "bones.mdd", PointCacheKind::mdd, 6, clip);
-  for (int frame = 1; frame <= 20; ++frame) {
-    SurfaceFrame at;
-    at.positions = bones_at((frame - 1) / 60.0).cast<float>();
-    cache.append(at);
-  }
-  cache.finish();
+  make_cache(folder / "bones.mdd", bone_vertices());
   const fs::path scene = write_scene(folder, bar("inside = \"bones.obj\"\nfollow.cache = \"bones.mdd\"\n"), "bar.toml");
   const Simulation simulation = set_up(load_scene(scene.string()));
   REQUIRE(simulation.bodies[0].notes.size() == 1);
   CHECK(contains(simulation.bodies[0].notes[0], "of where they should go"));
   const State state = run(simulation, 19, 1e-6);
-  const Vector3d end = probe_positions(simulation, state.positions)[0], led(0.5 * std::cos(1.5 * 19 / 60.0), 0, 0);
-  CHECK(std::abs(end.x() - led.x()) < 0.1);
+  const Vector3d end = probe_positions(simulation, state.positions)[0];
+  CHECK(std::abs(end.x() - 0.5 * std::cos(1.5 * 19 / 60.0)) < 0.1);
   CHECK(end.y() < 0.5 * std::sin(1.5 * 19 / 60.0) + 0.3 * 19 / 60.0 - 0.001);  // it hangs behind
+}
+
+TEST_CASE("a bone that reaches out of the flesh holds what of the flesh is in it, and that is said") {
+  const TemporaryFolder folder;
+  make_cache(folder / "handle.mdd", make_box(folder / "handle.obj", {-0.8, -0.01, -0.01}, {-0.3, 0.01, 0.01}));
+  const std::string animated = "inside = \"handle.obj\"\nfollow.cache = \"handle.mdd\"\n",
+                    keyed =
+                        "inside = \"handle.obj\"\nfollow.rotation = { keys = [[0, [0, 0, 0]], [0.3, [0, 0, 30]]] }\n";
+  for (const std::string& pin : {animated, keyed}) {
+    const Simulation simulation = set_up(load_scene(write_scene(folder, bar(pin), "bar.toml").string()));
+    REQUIRE(simulation.warnings.size() == 1);
+    CHECK(contains(simulation.warnings[0], "lie outside of the body's cage"));
+    run(simulation, 19, 1e-6);
+  }
+}
+
+TEST_CASE("all of the flesh between the surfaces of a closed mesh goes with it, though cells are smaller") {
+  const TemporaryFolder folder;
+  const bool inside_out = GENERATE(false, true);
+  const Points corners = make_box(folder / "sleeve.obj", {-0.7, -0.3, -0.2}, {-0.15, 0.3, 0.2}, inside_out);
+  make_cache(folder / "sleeve.mdd", corners);
+  const Simulation simulation = set_up(load_scene(
+      write_scene(folder, bar("inside = \"sleeve.obj\"\nfollow.cache = \"sleeve.mdd\"\n"), "bar.toml").string()));
+  const State state = run(simulation, 19, 1e-6);
+  const Points &rest = simulation.model.rest_positions, wanted = led(rest, 19 / 60.0);
+  int inside = 0;
+  for (Eigen::Index n = 0; n < rest.rows(); ++n) {
+    if (rest(n, 0) > -0.2 + 1e-9) continue;
+    ++inside;
+    CHECK((state.positions.row(n) - wanted.row(n)).norm() < 1e-6);
+  }
+  CHECK(inside == 36);
+}
+
+TEST_CASE("an open mesh has nothing between its surfaces") {
+  const TemporaryFolder folder;
+  make_file(folder / "sheet.obj", "v -0.45 -0.09 0.02\nv -0.2 -0.09 0.02\nv -0.2 0.09 0.02\nf 1 2 3\n");
+  const Simulation simulation =
+      set_up(load_scene(write_scene(folder, bar("inside = \"sheet.obj\"\n"), "bar.toml").string()));
+  const Pin& pin = simulation.model.bodies[0].pins->pins()[0];
+  for (Eigen::Index p = 0; p < pin.rest.rows(); ++p) CHECK(pin.rest(p, 2) == Approx(0.02));
 }
 
 TEST_CASE("paint tells what is held, what a spring pulls and what is free") {

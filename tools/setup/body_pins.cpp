@@ -3,37 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "core/base/error.h"
 #include "embedding/mesh_files/mesh_io.h"
-#include "embedding/surface/topology.h"
 #include "tools/setup/animated_mesh.h"
 #include "tools/setup/named_error.h"
+#include "tools/setup/pin_bones.h"
 
 namespace umax {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double white = 0.999, black = 0.001;  // [-] of paint: exact from the one on, free up to the other
-constexpr double spacing = 0.5;                 // [cells] of points on a mesh of bones
 constexpr int residual_samples = 24;            // over the clip
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what, const std::string& value,
                          const std::string& remedy) {
   throw Error(Fault::bad_data, {.where = where, .what = what, .value = value, .remedy = remedy});
-}
-
-// [m] edge of a hex, about
-double cell_of(const Lattice& lattice) {
-  if (lattice.is_regular()) return lattice.cell_size.minCoeff();
-  const Vector3d size =
-      (lattice.rest_positions.colwise().maxCoeff() - lattice.rest_positions.colwise().minCoeff()).transpose();
-  return std::cbrt(size.prod() / double(lattice.num_hexes()));
 }
 
 // vertices of the body's mesh, and how much each is held: 0 ... 1
@@ -96,65 +85,6 @@ void hold_vertices(const HeldVertices& held, const PinnedBody& body, Pin& pin, s
   weights = held.weights;
 }
 
-// a point on a triangle
-struct Rider {
-  std::array<int, 3> corners;
-  Vector3d shares;
-  int part = 0;
-};
-
-// the vertices of triangles, and points on these as dense as cells need
-std::vector<Rider> riders_on(const TriangleMesh& bones, double cell) {
-  const auto [part_of, num_parts] = triangle_components(bones.triangles, weld(bones.positions));
-  std::vector<Rider> riders;
-  std::vector<char> taken(std::size_t(bones.num_vertices()), 0);
-  for (int t = 0; t < int(bones.num_triangles()); ++t) {
-    const std::array<int, 3> corners{bones.triangles(t, 0), bones.triangles(t, 1), bones.triangles(t, 2)};
-    double longest = 0;
-    for (int k = 0; k < 3; ++k)
-      longest = std::max(longest, (bones.positions.row(corners[std::size_t(k)]) -
-                                   bones.positions.row(corners[std::size_t((k + 1) % 3)]))
-                                      .norm());
-    const int parts = int(std::ceil(longest / (spacing * cell)));
-    for (int i = 0; i <= parts; ++i)
-      for (int j = 0; i + j <= parts; ++j) {
-        const Vector3d shares = Vector3d(i, j, parts - i - j) / parts;
-        Eigen::Index corner = 0;
-        if (shares.maxCoeff(&corner) == 1 && std::exchange(taken[std::size_t(corners[std::size_t(corner)])], 1))
-          continue;
-        riders.push_back({corners, shares, part_of[std::size_t(t)]});
-      }
-  }
-  return riders;
-}
-
-// a pin's points on bones, which lie in the body's own units and axes; returns the bones' vertices
-FileVertices hold_bones(const MeshSource& inside, const PinnedBody& body, Pin& pin, std::vector<double>& weights) {
-  MeshFile file = load_mesh(inside.path);
-  TriangleMesh& bones = file.mesh;
-  for (auto position : bones.positions.rowwise())
-    position = (body.shape.world_from_file * Vector3d(position.transpose())).transpose();
-  const std::vector<Rider> riders = riders_on(bones, cell_of(body.lattice));
-  const auto count = Eigen::Index(riders.size());
-  pin.rest.resize(count, 3);
-  pin.motion.corners.resize(count, 3);
-  pin.motion.shares.resize(count, 3);
-  pin.part.resize(count);
-  for (Eigen::Index p = 0; p < count; ++p) {
-    const Rider& rider = riders[std::size_t(p)];
-    pin.rest.row(p).setZero();
-    for (int k = 0; k < 3; ++k) {
-      pin.motion.corners(p, k) = rider.corners[std::size_t(k)];
-      pin.rest.row(p) += rider.shares[k] * bones.positions.row(rider.corners[std::size_t(k)]);
-    }
-    pin.motion.shares.row(p) = rider.shares.transpose();
-    pin.part[p] = rider.part;
-  }
-  pin.points = embed_points(pin.rest, body.lattice, "inside: point");
-  weights.assign(std::size_t(count), 1);
-  return {bones.num_vertices(), std::move(file.vertex_in_file), bones.num_vertices() + file.loose_vertices.rows()};
-}
-
 // of each point's spring; of_hex: [N/m] stiffness of a hex
 void set_stiffness(const PinDescription& description, const std::vector<double>& weights, double of_hex, Pin& pin) {
   std::map<int, int> in_hex;
@@ -169,14 +99,14 @@ void set_stiffness(const PinDescription& description, const std::vector<double>&
   }
 }
 
-void set_motion(const Scene& scene, const PinDescription& description, const PinnedBody& body,
-                const FileVertices& vertices, Pin& pin, std::vector<std::string>& warnings) {
+void set_motion(const Scene& scene, const PinDescription& description, const PinnedBody& body, const HeldByBones& held,
+                Pin& pin, std::vector<std::string>& warnings) {
   pin.motion.preroll = scene.clip.preroll;
   if (description.from) pin.from = *description.from;
   if (description.until) pin.until = *description.until;
   if (!description.cache.path.empty()) {
-    pin.motion.mesh = std::make_shared<const MeshMotion>(
-        read_motion(description.cache, vertices, body.shape.world_from_file, scene.clip, warnings));
+    pin.motion.mesh = std::make_shared<const MeshMotion>(with_inner_points(
+        read_motion(description.cache, held.vertices, body.shape.world_from_file, scene.clip, warnings), held.inner));
     return;
   }
   if (description.position) pin.motion.position = *description.position;
@@ -196,15 +126,17 @@ Pin make_pin(const Scene& scene, const PinDescription& description, const Pinned
   Pin pin;
   pin.name = description.name;
   std::vector<double> weights;
-  FileVertices vertices = vertices_of(body.shape);
-  if (!description.inside.path.empty())
-    vertices = hold_bones(description.inside, body, pin, weights);
-  else
+  HeldByBones held{vertices_of(body.shape), {}};
+  if (!description.inside.path.empty()) {
+    held = hold_bones(description.inside, body.shape, body.lattice, pin, warnings);
+    weights.assign(std::size_t(pin.rest.rows()), 1);
+  } else {
     hold_vertices(description.map.empty() ? vertices_in_region(description, body.shape.mesh.positions)
-                                          : vertices_by_paint(description, vertices.count),
+                                          : vertices_by_paint(description, held.vertices.count),
                   body, pin, weights);
+  }
   set_stiffness(description, weights, body.young * cell_of(body.lattice), pin);
-  set_motion(scene, description, body, vertices, pin, warnings);
+  set_motion(scene, description, body, held, pin, warnings);
   return pin;
 }
 

@@ -14,9 +14,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files of pulls are little-endian");
 
-constexpr std::string_view magic = "UMAXPULL";
+constexpr std::string_view pulls_magic = "UMAXPULL";
 constexpr std::uint32_t version = 1;
-constexpr std::size_t header_size = 8 + 4 + 4 + 8, digest_size = 64;
+constexpr std::size_t pulls_header_size = 8 + 4 + 4 + 8, pulls_digest_size = 64;
 constexpr std::size_t pull_size = sizeof(std::int64_t) + 2 * sizeof(std::int32_t) + 12 * sizeof(double);
 
 int number_of(const std::string& body, const Model& model) {
@@ -55,7 +55,7 @@ Pull take_pull(std::string_view& bytes, const std::string& where, const Model& m
 
 std::string encode_pulls(const RecordedPulls& pulls, const Model& model) {
   ByteWriter out;
-  out.bytes.append(magic);
+  out.bytes.append(pulls_magic);
   std::uint64_t count = 0;
   for (const auto& [step, of_step] : pulls) count += of_step.size();
   out.put_all(version, std::uint32_t(0), count);
@@ -70,12 +70,12 @@ std::string encode_pulls(const RecordedPulls& pulls, const Model& model) {
 }
 
 RecordedPulls decode_pulls(std::string_view bytes, const std::string& where, const Model& model) {
-  if (!bytes.starts_with(magic)) refuse(where, "is no file of pulls");
-  if (bytes.size() < header_size + digest_size) refuse(where, "is damaged: it ends too early");
-  const std::size_t body_size = bytes.size() - digest_size;
+  if (!bytes.starts_with(pulls_magic)) refuse(where, "is no file of pulls");
+  if (bytes.size() < pulls_header_size + pulls_digest_size) refuse(where, "is damaged: it ends too early");
+  const std::size_t body_size = bytes.size() - pulls_digest_size;
   if (sha256_hex(bytes.substr(0, body_size)) != bytes.substr(body_size))
     refuse(where, "is damaged: its checksum does not fit");
-  std::string_view rest = bytes.substr(magic.size(), body_size - magic.size());
+  std::string_view rest = bytes.substr(pulls_magic.size(), body_size - pulls_magic.size());
   const auto found_version = take<std::uint32_t>(rest);
   if (found_version != version) refuse(where, "was written by another version of umax", std::to_string(found_version));
   take<std::uint32_t>(rest);
