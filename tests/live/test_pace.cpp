@@ -21,8 +21,10 @@ TEST_CASE("where steps take longer than they last the clock slows smoothly, says
     CHECK(pace.period <= 1.2 * last);
     last = pace.period;
   }
-  CHECK(pace.period == Approx(1.1 * 0.040).epsilon(0.01));
-  CHECK(pace.rate() == Approx(1.0 / 60 / 0.044).epsilon(0.01));
+  // it wastes next to nothing of the time that there is
+  CHECK(pace.period >= 0.040);
+  CHECK(pace.period <= 1.05 * 0.040);
+  CHECK(pace.rate() == Approx(1.0 / 60 / pace.period));
   CHECK(pace.is_behind());
   CHECK(pace.time_step == 1.0 / 60);
   for (int i = 0; i < 300; ++i) add_step(pace, 0.005);

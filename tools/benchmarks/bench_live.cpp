@@ -165,28 +165,34 @@ double resident() {
   return double(shown) * double(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-/// As many steps as thirty minutes at real time have, as fast as they go, a limit turned twice a second.
-BenchRows memory_rows() {
-  LiveBench bench(365, 0);
+/// As many steps as these minutes at real time have, as fast as they go, a limit turned twice a second.
+BenchRow memory_row(const std::string& what, int cells, int minutes_before, int minutes) {
+  constexpr std::uint32_t steps_a_minute = 60 * 60;
+  LiveBench bench(cells, 0);
   bench.client->say("{\"wish\":\"play\"}");
-  double after_three = 0;
+  double before = 0;
   std::uint32_t turned = 0;
-  for (FrameHeader last; last.step < 30 * 60 * 60;) {
+  for (FrameHeader last; last.step < std::uint32_t(minutes) * steps_a_minute;) {
     std::size_t bytes = 0;
     last = bench.picture(bytes);
-    if (after_three == 0 && last.step > 3 * 60 * 60) after_three = resident();
+    if (before == 0 && last.step > std::uint32_t(minutes_before) * steps_a_minute) before = resident();
     if (last.step < turned + 30) continue;
     turned = last.step;
     bench.client->say(fmt::format("{{\"wish\":\"set\",\"key\":0,\"value\":0.{}}}", 15 + turned % 7));
   }
-  return {at_most("live: memory after 30 minutes, of that after 3", resident() / after_three, 1.05, "",
-                  fmt::format("{:.0f} MiB", resident()))};
+  return at_most(fmt::format("{}: memory after {} minutes, of that after {}", what, minutes, minutes_before),
+                 resident() / before, 1.05, "", fmt::format("{:.0f} MiB", resident()));
+}
+
+BenchRows memory_rows() {
+  return {memory_row("live: figure, 365 hexes", 365, 3, 30)};
 }
 
 BenchRows live_rows() {
   BenchRows rows = speed_rows("live: figure, 365 hexes", 365, 60, 30, true);
   for (BenchRow& row : latency_rows()) rows.push_back(row);
   for (BenchRow& row : speed_rows("live: figure, 2,000 hexes", 2000, 40, 60, false)) rows.push_back(row);
+  rows.push_back(memory_row("live: figure, 60 hexes", 60, 1, 4));
   return rows;
 }
 

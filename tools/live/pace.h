@@ -20,7 +20,7 @@ struct Pace {
 
 /// To be called after each step with what it took [s]: the time to the next step follows smoothly.
 inline void add_step(Pace& pace, double took) {
-  constexpr double spare = 1.1;    // [-] for what else there is to do
+  constexpr double spare = 1.03;   // [-] all that is done between two steps is in `took`
   constexpr double memory = 0.25;  // [s] in which the clock follows
   const double wanted_before = pace.time_step * pace.slower;
   if (pace.period <= 0) pace.period = wanted_before;
