@@ -12,22 +12,28 @@ become_root() {
   exec sudo "$root/tools/$(basename "$0")" "$@"
 }
 
+# new_debian SUITE FOLDER LOG [PACKAGE]: a minimal system there, from where apt has its packages. Its dpkg does not wait for
+# the disk after every file.
+new_debian() {
+  mkdir -p "$2/etc/dpkg/dpkg.cfg.d"
+  echo force-unsafe-io >"$2/etc/dpkg/dpkg.cfg.d/no-waiting"
+  debootstrap --variant=minbase ${4:+"--include=$4"} "$1" "$2" "$(debian_mirror)" >"$3" 2>&1 || { tail -5 "$3" >&2; return 1; }
+}
+
 # make_suite SUITE FOLDER: the system, whole or not at all
 make_suite() {
   [ ! -d "$2" ] || return 0
   say "setting up Debian $1 in $2"
   rm -rf "$2.part"
   mkdir -p "$(dirname "$2")"
-  debootstrap --variant=minbase --include=git "$1" "$2.part" "$(debian_mirror)" >"$2.log" 2>&1 ||
-    { tail -5 "$2.log" >&2; die "debootstrap cannot set up Debian $1; all of it is in $2.log" 69; }
+  new_debian "$1" "$2.part" "$2.log" git || die "debootstrap cannot set up Debian $1; all of it is in $2.log" 69
   mv "$2.part" "$2"
 }
 
-# package_in_suite SUITE: build/packages of this source as that Debian makes them. The system and what is built in it stay
+# package_in_suite SUITE, as root: build/packages of this source as that Debian makes them. The system and what is built in it stay
 # in build/suites/SUITE; what is mounted there is seen by this call alone, and gone with it.
 package_in_suite() {
   local folder=$root/build/suites/$1
-  become_root --suite "$1"
   install_packages packages.suite
   make_suite "$1" "$folder"
   mkdir -p "$folder/umax" "$folder/umax-build" "$root/build/packages"
