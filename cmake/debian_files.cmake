@@ -23,7 +23,7 @@ endwhile()
 
 set(program ${CPACK_TEMPORARY_DIRECTORY}/program/usr)
 debian_compress(${program}/share/man/man1/umax.1)
-file(REMOVE ${program}/share/doc/umax/LICENSE)  # Debian has it in common-licenses
+file(REMOVE ${program}/share/doc/umax/LICENSE ${program}/share/doc/umax/GPL-3)  # Debian has them in common-licenses
 file(MAKE_DIRECTORY ${program}/share/zsh)
 file(RENAME ${program}/share/zsh/site-functions ${program}/share/zsh/vendor-completions)
 

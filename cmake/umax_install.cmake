@@ -12,7 +12,9 @@ install(FILES ${PROJECT_BINARY_DIR}/share/bash-completion/completions/umax DESTI
 set(UMAX_ZSH_FOLDER share/zsh/site-functions CACHE STRING "Where the completion of zsh is installed")
 install(FILES ${PROJECT_BINARY_DIR}/share/zsh/site-functions/_umax DESTINATION ${UMAX_ZSH_FOLDER} COMPONENT program)
 install(DIRECTORY scenes/ DESTINATION share/umax/scenes COMPONENT program FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv")
+# The licence of the source, and that of the binary, which every Debian has.
 install(FILES LICENSE cmake/copyright DESTINATION share/doc/umax COMPONENT program)
+install(FILES /usr/share/common-licenses/GPL-3 DESTINATION share/doc/umax COMPONENT program)
 
 # The libraries: these, and all that stands below them.
 set(umax_offered core embedding render scenes setup)

@@ -18,7 +18,8 @@ cd "$scratch"
 "$prefix/bin/umax" doctor >doctor.txt || true
 grep -q "umax-import reads" doctor.txt || { cat doctor.txt; fail "the helper program is not found"; }
 for file in share/man/man1/umax.1 share/bash-completion/completions/umax share/zsh/site-functions/_umax \
-  share/umax/scenes/figure.toml share/umax/scenes/presets.toml share/doc/umax/LICENSE share/doc/umax/copyright; do
+  share/umax/scenes/figure.toml share/umax/scenes/presets.toml share/doc/umax/LICENSE share/doc/umax/GPL-3 \
+  share/doc/umax/copyright; do
   [ -s "$prefix/$file" ] || fail "$file is missing"
 done
 

@@ -111,12 +111,14 @@ void bind_fit(py::module_& module) {
       .def_property_readonly(
           "limit", [](const FitResult& r) { return value_or_none(r.fit.limit); },
           "[-] limit.stretch; None where the data do not reach one.")
-      .def_property_readonly("limit_interval", [](const FitResult& r) { return interval_or_none(r.fit.limit); })
+      .def_property_readonly(
+          "limit_interval", [](const FitResult& r) { return interval_or_none(r.fit.limit); },
+          "[-] None where the data do not reach a limit.")
       .def_property_readonly(
           "poisson", [](const FitResult& r) { return r.fit.used_poisson(); }, "[-] fitted, or what was assumed.")
       .def_property_readonly(
           "poisson_interval", [](const FitResult& r) { return interval_or_none(r.fit.poisson); },
-          "None where the data do not tell it.")
+          "[-] None where the data do not tell it.")
       .def_property_readonly(
           "rms", [](const FitResult& r) { return r.fit.rms; }, "[-] of stretch measured less simulated.")
       .def_property_readonly(

@@ -138,7 +138,7 @@ void bind_pictures(py::module_& module) {
   py::class_<FlipResult>(module, "Difference",
                          "How different two pictures look when one alternates between them (FLIP).")
       .def_readonly("mean", &FlipResult::mean, "0: the same, 1: as different as can be.")
-      .def_readonly("maximum", &FlipResult::maximum)
+      .def_readonly("maximum", &FlipResult::maximum, "Of the pixel that differs most, from 0 to 1.")
       .def_readonly("percent_above", &FlipResult::percent_above, "[%] of the pixels differ by more than 0.1.")
       .def_property_readonly(
           "map", [](const FlipResult& result) { return array_of(result.map); },

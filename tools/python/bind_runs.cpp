@@ -140,8 +140,8 @@ void bind_progress(py::module_& module) {
       .def_readonly("frame", &ProgressLine::frame, "The frame just finished.")
       .def_readonly("done", &ProgressLine::done, "Frames that are finished.")
       .def_readonly("total", &ProgressLine::total, "Frames in all.")
-      .def_readonly("elapsed", &ProgressLine::elapsed, "[s]")
-      .def_readonly("detail", &ProgressLine::detail)
+      .def_readonly("elapsed", &ProgressLine::elapsed, "[s] since the run began.")
+      .def_readonly("detail", &ProgressLine::detail, "What the program says beside the frame.")
       .def("__repr__", [](const ProgressLine& line) {
         return fmt::format("<umax.Progress {} {}/{}>", line.stage, line.done, line.total);
       });
@@ -151,7 +151,7 @@ void bind_frame(py::module_& module) {
   py::class_<RunFrame>(module, "Frame", "One frame of a Run. body: a name; may be left out where there is one.")
       .def_readonly("number", &RunFrame::number, "From 1, the initial state.")
       .def_property_readonly(
-          "time", [](const RunFrame& frame) { return frame.state.time; }, "[s]")
+          "time", [](const RunFrame& frame) { return frame.state.time; }, "[s] since the clip began.")
       .def("positions", &points_of_frame<BodyPoints::positions>, py::arg("body") = "",
            "Of the cage's nodes [m]: float64 (nodes, 3).")
       .def("velocities", &points_of_frame<BodyPoints::velocities>, py::arg("body") = "",
@@ -195,14 +195,16 @@ void bind_run(py::module_& module) {
       });
   py::class_<RunReader, std::shared_ptr<RunReader>>(
       module, "Run",
-      "Run(folder)\n\nThe folder of a run: for frame in run, len(run), run[0] the first and run[-1] the last frame.")
+      "Run(folder)\n\nThe folder of a run: for frame in run, len(run), run[0] the first and run[-1] the last frame.\n"
+      "Raises umax.Error where no run is, or a damaged one, and for a body that is not there; IndexError past the end.")
       .def(py::init([](const std::filesystem::path& folder) {
              std::shared_ptr<RunReader> run;
              long_call([&] { run = open_run(folder); });
              return run;
            }),
            py::arg("folder"))
-      .def_property_readonly("folder", [](const RunReader& run) { return run.folder; })
+      .def_property_readonly(
+          "folder", [](const RunReader& run) { return run.folder; }, "Where the run is: a pathlib.Path.")
       .def_property_readonly("bodies", &bodies_of, "Names of the bodies, in alphabetical order.")
       .def_property_readonly("steps", &steps_of,
                              "The columns of steps.csv by name, float64 (steps,); converged is 1 or 0.")

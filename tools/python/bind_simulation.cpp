@@ -113,19 +113,22 @@ void bind_report(py::module_& module) {
       .def_property_readonly(
           "status", [](const StepReport& report) { return status_name(report.status); },
           "'converged', 'iteration_limit' (more substeps or a looser tolerance help) or 'infeasible'.")
-      .def_property_readonly("converged",
-                             [](const StepReport& report) { return report.status == StepStatus::converged; })
+      .def_property_readonly(
+          "converged", [](const StepReport& report) { return report.status == StepStatus::converged; },
+          "Whether status is 'converged'.")
       .def_readonly("limits_active", &StepReport::limits_active, "Hexes that a limit holds.")
-      .def_readonly("contacts", &StepReport::contacts)
-      .def_readonly("sqp_iterations", &StepReport::sqp_iterations)
-      .def_readonly("factorisations", &StepReport::factorisations)
-      .def_readonly("linear_iterations", &StepReport::linear_iterations)
+      .def_readonly("contacts", &StepReport::contacts, "Contact constraints solved.")
+      .def_readonly("sqp_iterations", &StepReport::sqp_iterations, "Iterations of the step.")
+      .def_readonly("factorisations", &StepReport::factorisations, "Matrices factored, or multigrids set up.")
+      .def_readonly("linear_iterations", &StepReport::linear_iterations,
+                    "Gauss-Seidel sweeps and iterations of the linear solver.")
       .def_readonly("retries", &StepReport::retries, "Attempts at smaller step sizes.")
       .def_readonly("max_energy_ratio", &StepReport::max_energy_ratio, "Largest U/U_max at the end; 0: no limits.")
-      .def_readonly("kkt_residual", &StepReport::kkt_residual)
-      .def_readonly("max_penetration", &StepReport::max_penetration, "[m]")
-      .def_readonly("kinetic_energy", &StepReport::kinetic_energy, "[J]")
-      .def_readonly("elastic_energy", &StepReport::elastic_energy, "[J]")
+      .def_readonly("kkt_residual", &StepReport::kkt_residual,
+                    "[-] Gradient of the Lagrangian over the largest force of any one kind.")
+      .def_readonly("max_penetration", &StepReport::max_penetration, "[m] Depth of the deepest vertex at the end.")
+      .def_readonly("kinetic_energy", &StepReport::kinetic_energy, "[J] of the nodes' velocities at the end.")
+      .def_readonly("elastic_energy", &StepReport::elastic_energy, "[J] of all hexes at the end.")
       .def_readonly("potential_energy", &StepReport::potential_energy, "[J] of gravity, 0 at height 0.")
       .def("__repr__", [](const StepReport& report) {
         return fmt::format("<umax.StepReport {}: {} limits, {} contacts, max_energy_ratio {:.4g}>",
@@ -212,7 +215,8 @@ void bind_simulation(py::module_& module) {
       },
       py::arg("simulation"), py::arg("body"), py::arg("nodes"),
       "deform(simulation, body, nodes) -> array\n\n"
-      "Where the body's surface is [m] for any positions of its cage's nodes, (nodes, 3) [m]: float64 (vertices, 3).");
+      "Where the body's surface is [m] for any positions of its cage's nodes, (nodes, 3) [m]: float64 (vertices, 3).\n"
+      "Raises umax.Error for another shape, or a body that is not there.");
 }
 
 }  // namespace umax
