@@ -135,10 +135,11 @@ TEST_CASE("the README is a page of 10 kB at most that links to every other one")
 TEST_CASE("every picture in docs is shown in the gallery") {
   std::set<fs::path> shown;
   for (const Link& link : links_of(root / "docs/gallery.md")) shown.insert(link.file);
-  for (const fs::path& picture : files_of(root / "docs", ".png")) {
-    CAPTURE(picture);
-    CHECK(shown.count(picture) == 1);
-  }
+  for (const char* kind : {".png", ".webp"})
+    for (const fs::path& picture : files_of(root / "docs", kind)) {
+      CAPTURE(picture);
+      CHECK(shown.count(picture) == 1);
+    }
 }
 
 TEST_CASE("files and folders of the project that pages name are there") {
