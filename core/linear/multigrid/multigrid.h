@@ -27,7 +27,7 @@ struct Multigrid {
   std::vector<MultigridLevel> levels;  // finest first; fill levels[0].matrix, then set_up()
   std::vector<int> dense_slots;        // nodes of the last level
   bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
-  Eigen::LLT<MatrixXd> dense;
+  Eigen::LLT<MatrixXd> dense{MatrixXd()};
   double local_contrast = 0;
   StiffCellSmoother stiff_cell_smoother;  // of the finest level
   AlignedArray<float> corrected, rest;    // iterate and residual around the V-cycle, where there are stiff cells

@@ -29,9 +29,9 @@ struct SaddlePointLevel {
 };
 
 struct SaddlePointMultigrid {
-  std::vector<SaddlePointLevel> levels;  // as the multigrid's
-  MatrixXd responses;                    // of the last level, if it is factored: A^-1 G,
-  Eigen::LLT<MatrixXd> dense;            // and C + G^T A^-1 G
+  std::vector<SaddlePointLevel> levels;    // as the multigrid's
+  MatrixXd responses;                      // of the last level, if it is factored: A^-1 G,
+  Eigen::LLT<MatrixXd> dense{MatrixXd()};  // and C + G^T A^-1 G
   bool has_dense = false;
   AlignedArray<float> rest;  // of the first level: b - G y
   double weight = 1;         // [N/m] what makes squared residuals of terms comparable with those of nodes
