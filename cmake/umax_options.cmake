@@ -56,6 +56,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
       -Wno-stringop-overread)
   endif()
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+  # it takes what a function's text argument is made of for what the function's reference refers to
+  target_compile_options(umax_warnings INTERFACE -Wno-dangling-reference)
+endif()
 if(UMAX_WARNINGS_AS_ERRORS)
   target_compile_options(umax_warnings INTERFACE -Werror)
 endif()
