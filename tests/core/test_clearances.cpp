@@ -28,6 +28,12 @@ bool are_equal(const std::vector<Contact>& a, const std::vector<Contact>& b) {
   });
 }
 
+// a ball above a block of cells of 0.1 m, which ends at 0.3 m
+Model ball_above_block(double height) {
+  return make_model(
+      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, height, 0.15}, 0.13)}, {});
+}
+
 // A bar of 1 m along x, 10 cm thick, bent to a U whose walls are `gap` [m] apart.
 Points bent_to_u(const Points& bar, double gap) {
   constexpr double thickness = 0.1, straight = 0.3;
@@ -74,8 +80,7 @@ TEST_CASE("a search that remembers finds what one finds that begins anew, wherev
 }
 
 TEST_CASE("a step that goes on from what the last one remembers finds what one finds that begins anew") {
-  const Model model = make_model(
-      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.445, 0.15}, 0.13)}, {});
+  const Model model = ball_above_block(0.445);
   const ContactGeometry geometry = make_contact_geometry(model);
   const double stride = GENERATE(1e-4, 3e-3);  // [m] a look; cells are 0.1 m
   CAPTURE(stride);
@@ -106,8 +111,7 @@ TEST_CASE("a step that goes on from what the last one remembers finds what one f
 }
 
 TEST_CASE("looks at what has hardly moved are few") {
-  const Model model = make_model(
-      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)}, {});
+  const Model model = ball_above_block(0.435);
   const ContactGeometry geometry = make_contact_geometry(model);
   Points positions = model.rest_positions;
   const ContactStep step = fresh_step(model, geometry, positions, positions);
@@ -143,8 +147,7 @@ TEST_CASE("vertices far from what they could touch are looked at anew at another
 }
 
 TEST_CASE("what is known of vertices stays when bodies leave the places where they were expected") {
-  const Model model = make_model(
-      {touchable_block("low", {3, 3, 3}, {0, 0, 0}, 0.1), touchable_ball("high", 4, {0.15, 0.435, 0.15}, 0.13)}, {});
+  const Model model = ball_above_block(0.435);
   const ContactGeometry geometry = make_contact_geometry(model);
   Points positions = model.rest_positions;
   const ContactStep step = fresh_step(model, geometry, positions, positions);
