@@ -61,37 +61,30 @@ int farm(const Options& options) {
 }  // namespace
 
 Verb farm_verb() {
-  return {
-      .name = "farm",
-      .usage = "SCENE | status DIR | cancel DIR",
-      .summary = "the same run as job arrays on a queue",
-      .details =
-          "Writes the scripts of jobs into DIR/farm and submits them to Slurm: one simulates, an array draws "
-          "--frames-per-job frames in each of its tasks once all is simulated, one makes the clip. The states, "
-          "pictures "
-          "and clip are the bytes that umax run makes on one machine. With --vary there is a run for each combination "
-          "of "
-          "values in DIR/runs, and each waits for its own simulation alone. All machines must see DIR, the scene's "
-          "files "
-          "and this program under the same paths.\n\nA call that is killed or cannot write is gone on with inside its "
-          "job; "
-          "what a whole job has left is gone on with by the same command with --resume. umax farm status DIR says what "
-          "is "
-          "there, what is in the queue and what was lost; umax farm cancel DIR takes its jobs out of the queue. "
-          "--threads and --memory are what each task asks the queue for; the environment's SBATCH_PARTITION, "
-          "SBATCH_TIMELIMIT and "
-          "others say more, and a task whose --deadline is over goes back into the queue. --dry-run prints scripts and "
-          "commands. Another queue is a file of a few functions in bash: "
-          "--queue FILE.",
-      .examples = {"umax farm figure -o falling --frames-per-job 20 --threads 8 --memory 8G",
-                   "umax farm figure --vary body.figure.limit.stretch=5%,10%,20% --dry-run",
-                   "umax farm status falling"},
-      .arguments = {.words = scenes_and_words, .endings = {"toml"}, .folders = true},
-      .options = {"--output",  "--set",       "--vary",     "--frames-per-job", "--queue", "--dry-run",
-                  "--resume",  "--overwrite", "--deadline", "--allow-overlap",  "--quick", "--engine",
-                  "--samples", "--size",      "--seed",     "--threads",        "--isa",   "--memory",
-                  "--json",    "--progress",  "--quiet"},
-      .run = farm};
+  return {.name = "farm",
+          .usage = "SCENE | status DIR | cancel DIR",
+          .summary = "the same run as job arrays on a queue",
+          .details =
+              "Writes the scripts of jobs into DIR/farm and submits them to Slurm: one simulates, an array draws "
+              "--frames-per-job frames in each of its tasks once all is simulated, one makes the clip. The states, "
+              "pictures and clip are the bytes that umax run makes on one machine. With --vary there is a run for each "
+              "combination of values in DIR/runs, and each waits for its own simulation alone. All machines must see "
+              "DIR, the scene's files and this program under the same paths.\n\nA call that is killed or cannot write "
+              "is gone on with inside its job; what a whole job has left is gone on with by the same command with "
+              "--resume. umax farm status DIR says what is there, what is in the queue and what was lost; umax farm "
+              "cancel DIR takes its jobs out of the queue. --threads and --memory are what each task asks the queue "
+              "for; the environment's SBATCH_PARTITION, SBATCH_TIMELIMIT and others say more, and a task whose "
+              "--deadline is over goes back into the queue. --dry-run prints scripts and commands. Another queue is a "
+              "file of a few functions in bash: --queue FILE.",
+          .examples = {"umax farm figure -o falling --frames-per-job 20 --threads 8 --memory 8G",
+                       "umax farm figure --vary body.figure.limit.stretch=5%,10%,20% --dry-run",
+                       "umax farm status falling"},
+          .arguments = {.words = scenes_and_words, .endings = {"toml"}, .folders = true},
+          .options = {"--output",  "--set",       "--vary",     "--frames-per-job", "--queue", "--dry-run",
+                      "--resume",  "--overwrite", "--deadline", "--allow-overlap",  "--quick", "--engine",
+                      "--samples", "--size",      "--seed",     "--threads",        "--isa",   "--memory",
+                      "--json",    "--progress",  "--quiet"},
+          .run = farm};
 }
 
 }  // namespace umax

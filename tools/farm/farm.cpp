@@ -111,17 +111,11 @@ int cancel_farm(const fs::path& folder) {
   const FarmRecord record = read_farm_record(paths.record());
   const QueueFunctions queue = read_file(paths.queue());
   require_queue(queue);
-  std::set<std::string> ours;
-  for (const SubmittedJob& job : record.jobs) ours.insert(job.id);
-  std::set<std::string> unfinished;
-  int tasks = 0;
-  for (const QueuedTask& task : unfinished_tasks(queue)) {
-    if (ours.count(task.job) == 0) continue;
-    unfinished.insert(task.job);
-    ++tasks;
-  }
-  if (!unfinished.empty()) cancel_jobs(queue, {unfinished.begin(), unfinished.end()});
-  return tasks;
+  const std::vector<QueuedTask> tasks = unfinished_tasks(record, queue);
+  std::set<std::string> jobs;
+  for (const QueuedTask& task : tasks) jobs.insert(task.job);
+  if (!jobs.empty()) cancel_jobs(queue, {jobs.begin(), jobs.end()});
+  return int(tasks.size());
 }
 
 }  // namespace umax

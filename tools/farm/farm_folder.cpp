@@ -81,13 +81,14 @@ void require_no_jobs(const fs::path& folder) {
   if (!is_farm_folder(folder)) return;
   const FarmPaths paths = farm_paths(folder, false);
   const FarmRecord record = read_farm_record(paths.record());
-  for (const QueuedTask& task : unfinished_tasks(read_file(paths.queue())))
-    for (const SubmittedJob& job : record.jobs)
-      if (job.id == task.job)
-        throw Error(Fault::try_again,
-                    {.where = folder.string(),
-                     .what = fmt::format("its job {} ({}) is in the queue still", job.name, job.id),
-                     .remedy = "wait until umax farm status says that none is, or end them by umax farm cancel"});
+  const std::vector<QueuedTask> tasks = unfinished_tasks(record, read_file(paths.queue()));
+  if (tasks.empty()) return;
+  const auto job = std::find_if(record.jobs.begin(), record.jobs.end(),
+                                [&](const SubmittedJob& other) { return other.id == tasks.front().job; });
+  throw Error(Fault::try_again,
+              {.where = folder.string(),
+               .what = fmt::format("its job {} ({}) is in the queue still", job->name, job->id),
+               .remedy = "wait until umax farm status says that none is, or end them by umax farm cancel"});
 }
 
 FarmPaths make_farm_folder(const FarmPlan& plan, const fs::path& folder, ExistingFolder existing) {

@@ -1,5 +1,6 @@
 #include "tools/farm/farm_record.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
@@ -54,6 +55,15 @@ FarmRecord read_farm_record(const std::filesystem::path& file) {
                                   .what = std::string("is no record of umax farm: ") + problem.what(),
                                   .remedy = "name the folder of a umax farm"});
   }
+}
+
+std::vector<QueuedTask> unfinished_tasks(const FarmRecord& record, const QueueFunctions& queue) {
+  std::vector<QueuedTask> tasks = unfinished_tasks(queue);
+  std::erase_if(tasks, [&](const QueuedTask& task) {
+    return std::none_of(record.jobs.begin(), record.jobs.end(),
+                        [&](const SubmittedJob& job) { return job.id == task.job; });
+  });
+  return tasks;
 }
 
 }  // namespace umax

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/farm/job_queue.h"
+
 namespace umax {
 
 struct SubmittedJob {
@@ -27,5 +29,8 @@ void write_farm_record(const std::filesystem::path& file, const FarmRecord& reco
 
 /// Throws Error: not_found when there is none, bad_data when it is no farm's.
 FarmRecord read_farm_record(const std::filesystem::path& file);
+
+/// The farm's own tasks among those of the queue. Throws Error (unavailable).
+std::vector<QueuedTask> unfinished_tasks(const FarmRecord& record, const QueueFunctions& queue);
 
 }  // namespace umax

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -48,13 +47,10 @@ void count_calls(const fs::path& file, FarmStatus& status) {
 }
 
 void ask_queue(const FarmRecord& record, const fs::path& functions, FarmStatus& status) {
-  std::set<std::string> ours;
-  for (const SubmittedJob& job : record.jobs) ours.insert(job.id);
   try {
     const QueueFunctions queue = read_file(functions);
     require_queue(queue);
-    for (const QueuedTask& task : unfinished_tasks(queue))
-      if (ours.count(task.job) == 1) ++status.tasks[task.state];
+    for (const QueuedTask& task : unfinished_tasks(record, queue)) ++status.tasks[task.state];
   } catch (const Error& error) {
     status.queue_problem = error.what();
   }
