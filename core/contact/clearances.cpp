@@ -70,7 +70,9 @@ void complete(const Model& model, const TouchableBodies& touchable, const std::v
       encounters.expected.middleRows(body.first_node, body.num_nodes) =
           positions.middleRows(body.first_node, body.num_nodes);
   }
-  Encounters renewed = find_encounters_of(model, touchable, hex_starts, encounters.expected, margin, left);
+  Encounters renewed =
+      find_encounters_of(model, touchable, hex_starts, encounters.expected, margin,
+                         [&](int body, int other) { return left[std::size_t(body)] || left[std::size_t(other)]; });
   std::vector<Clearances::OfEncounter> kept;
   std::vector<Encounter> all;
   auto next = renewed.all.begin();

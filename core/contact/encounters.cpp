@@ -59,10 +59,9 @@ bool is_nearly_rigid(const Model& model, const Model::BodyRange& body, const Poi
   return farthest <= std::pow(nearly_rigid * body.cell_size, 2);
 }
 
-// of the surfaces that vertices may touch, those whose bodies come near theirs, where one of the two is wanted; by: [m] that
-// boxes are grown
+// of the wanted surfaces that vertices may touch, those whose bodies come near theirs; by: [m] that boxes are grown
 Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, const Points& positions, double by,
-                       const std::vector<char>& wanted) {
+                       const WantedBodies& wanted) {
   std::vector<Eigen::AlignedBox3d> boxes(model.bodies.size());
   for (std::size_t b = 0; b < boxes.size(); ++b) {
     const auto nodes = positions.middleRows(model.bodies[b].first_node, model.bodies[b].num_nodes);
@@ -71,7 +70,7 @@ Surfaces near_surfaces(const Model& model, const TouchableBodies& touchable, con
   Surfaces near(model.bodies.size());
   for (std::size_t b = 0; b < near.size(); ++b)
     for (const int other : touchable.surfaces[b])
-      if (!wanted[b] && !wanted[std::size_t(other)])
+      if (!wanted(int(b), other))
         continue;
       else if (int(b) == other ? !is_nearly_rigid(model, model.bodies[b], positions)
                                : grown(boxes[b], by).intersects(boxes[other]))
@@ -240,11 +239,11 @@ std::vector<HexBounds> bound_hexes(const Model& model, const std::vector<Encount
 
 Encounters find_encounters(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                            const Points& positions, double margin) {
-  return find_encounters_of(model, touchable, hex_starts, positions, margin, std::vector<char>(model.bodies.size(), 1));
+  return find_encounters_of(model, touchable, hex_starts, positions, margin, [](int, int) { return true; });
 }
 
 Encounters find_encounters_of(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                              const Points& positions, double margin, const std::vector<char>& wanted) {
+                              const Points& positions, double margin, const WantedBodies& wanted) {
   assert(margin <= largest_margin);
   Encounters encounters{positions, {}};
   std::vector<std::vector<Encounter>> of_blocks(num_blocks(model));

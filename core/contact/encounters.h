@@ -1,6 +1,7 @@
 // Which hexes may touch in a step: those whose boxes, grown by a margin, meet where the bodies are expected at its end.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/contact/hex_tree.h"
@@ -41,9 +42,10 @@ Encounters find_encounters(const Model& model, const TouchableBodies& touchable,
 /// The bodies of which a node is farther than the margin [cells] from where it was expected: #B.
 std::vector<char> left_margin(const Model& model, const Encounters& encounters, const Points& positions, double margin);
 
-/// Those alone in which one of the wanted bodies (#B) takes part.
+/// Those alone of vertices of one body with another (or the same) that are wanted.
+using WantedBodies = std::function<bool(int body, int other)>;
 Encounters find_encounters_of(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
-                              const Points& positions, double margin, const std::vector<char>& wanted);
+                              const Points& positions, double margin, const WantedBodies& wanted);
 
 /// [cells of the smaller] that two hexes may move against each other between two looks at what touches: less than their
 /// size, so that none passes another unseen.

@@ -11,10 +11,10 @@ constexpr double at_surface = 2;   // [penetration tolerances] of a vertex that 
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 1e-9;
 
-SurfaceHit nearest_within(const RestSurface& surface, const Vector3d& point, const DistanceBounds& bounds) {
+SurfaceHit nearest_within(const ScaledSurface& surface, const Vector3d& point, const DistanceBounds& bounds) {
   return nearest_point(surface, point, std::max(std::abs(bounds.low), std::abs(bounds.high)));
 }
-SurfaceHit nearest_within(const RestSurface& surface, const Vector3d& point) {
+SurfaceHit nearest_within(const ScaledSurface& surface, const Vector3d& point) {
   return nearest_within(surface, point, distance_bounds(surface, point));
 }
 
@@ -27,7 +27,7 @@ Vector3d away_at(const Model& model, const Points& positions, const HeldVertex& 
 // What a vertex outside at X0 meets at X. One that is hardly inside may be at a side next to the one that it came in by: a body
 // that slides over vertices which it rests on comes upon them with its front.
 // clear: as in Touch.
-SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held, double tolerance, double& clear) {
+SurfaceHit hit_from_outside(const ScaledSurface& surface, const HeldVertex& held, double tolerance, double& clear) {
   const SurfaceHit nearest = nearest_within(surface, held.X, held.bounds);
   if (nearest.triangle < 0) return nearest;
   const bool is_inside = nearest.distance < 0;
@@ -36,9 +36,8 @@ SurfaceHit hit_from_outside(const RestSurface& surface, const HeldVertex& held, 
     clear = nearest.distance;
     return nearest;
   }
-  const Vector3d side = entered < 0 ? nearest_within(surface, held.X0).normal
-                                    : Vector3d(surface.triangle_normals.row(entered).transpose());
-  const double alikeness = surface.triangle_normals.row(nearest.triangle).dot(side.transpose());
+  const Vector3d side = entered < 0 ? nearest_within(surface, held.X0).normal : triangle_normal(surface, entered);
+  const double alikeness = triangle_normal(surface, nearest.triangle).dot(side);
   if (is_inside && nearest.distance > -at_surface * tolerance && alikeness > -same_side) return nearest;
   const bool is_alike = alikeness >= same_side;
   const double reach = is_alike ? std::abs(nearest.distance) : entered < 0 ? anywhere : held.moved;
@@ -58,7 +57,7 @@ Vector3d seen_at_rest(const Model& model, const HeldVertex& held, const Vector3d
 }
 
 // is the point farther from the surface than `by`, on its outside?
-bool is_outside(const RestSurface& surface, const Vector3d& X, double by) {
+bool is_outside(const ScaledSurface& surface, const Vector3d& X, double by) {
   const DistanceBounds bounds = distance_bounds(surface, X);
   return bounds.low > by || (bounds.high > by && nearest_within(surface, X, bounds).distance > by);
 }
@@ -69,14 +68,14 @@ Vector3d started_at(const Model& model, const Points& start, const HeldVertex& h
 }
 
 // the nearest of the surface from where the vertex started; triangle -1: it certainly started outside
-SurfaceHit nearest_at_start(const RestSurface& surface, const Vector3d& X_start) {
+SurfaceHit nearest_at_start(const ScaledSurface& surface, const Vector3d& X_start) {
   const DistanceBounds bounds = distance_bounds(surface, X_start);
   return bounds.low > 0 ? SurfaceHit{} : nearest_within(surface, X_start, bounds);
 }
 
 // What a vertex meets that started deeper than tolerances explain, and is inside; triangle -1: this one did not, or is
 // out.
-SurfaceHit hit_along(const Model& model, const RestSurface& surface, const HeldVertex& held, const Leaving& leaving) {
+SurfaceHit hit_along(const Model& model, const ScaledSurface& surface, const HeldVertex& held, const Leaving& leaving) {
   const Vector3d X_start = started_at(model, *leaving.start, held);
   SurfaceHit hit = nearest_at_start(surface, X_start);
   const bool was_deep = hit.triangle >= 0 && hit.distance < -tolerance_between(model, held.vertex.hex, held.other.hex);
@@ -92,7 +91,7 @@ bool may_come_in(const Model& model, const HeldVertex& held, const Leaving& leav
 }
 
 // was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
-bool was_inside(const Model& model, const RestSurface& surface, const HeldVertex& held) {
+bool was_inside(const Model& model, const ScaledSurface& surface, const HeldVertex& held) {
   const double slack = nearly_outside * tolerance_between(model, held.vertex.hex, held.other.hex);
   const DistanceBounds bounds = distance_bounds(surface, held.X0);
   return bounds.low < -slack && nearest_within(surface, held.X0, bounds).distance < -slack;
@@ -110,22 +109,22 @@ bool hold(const Model& model, const Points& apart, const Support& vertex, const 
   held.F_inverse = material.F_inverse;
   held.X = body.rest_pose.local(material.rest);
   held.X0 = body.rest_pose.local(material.rest + away_at(model, apart, held));
-  held.bounds = distance_bounds(*body.rest_surface, held.X);
+  held.bounds = distance_bounds(surface_of(body), held.X);
   held.moved = (held.X - held.X0).norm();
   return true;
 }
 
-bool is_clear(const RestSurface& surface, const HeldVertex& held) {
+bool is_clear(const ScaledSurface& surface, const HeldVertex& held) {
   if (!(held.bounds.low > 0)) return false;
   return held.bounds.low > held.moved || held.bounds.low + distance_bounds(surface, held.X0).low > held.moved;
 }
 
 double least_gap(const HeldVertex& held) {
-  return -std::max(-held.bounds.low, held.moved) * held.F_inverse.inverse().norm();
+  return -std::max(-held.bounds.low, held.moved) * stretch_bound(held.F_inverse.inverse());
 }
 
 Touch measure(const Model& model, const HeldVertex& held, const std::optional<Leaving>& leaving) {
-  const RestSurface& surface = *body_of(model, held.other.hex).rest_surface;
+  const ScaledSurface surface = surface_of(body_of(model, held.other.hex));
   const double tolerance = tolerance_between(model, held.vertex.hex, held.other.hex);
   SurfaceHit hit;
   double clear = -anywhere;
@@ -143,7 +142,7 @@ AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
   const Model& model = *step.model;
   const int hex = held.vertex.hex, other = held.other.hex;
   const SurfaceHit start =
-      nearest_at_start(*body_of(model, other).rest_surface, started_at(model, step.positions_t0, held));
+      nearest_at_start(surface_of(body_of(model, other)), started_at(model, step.positions_t0, held));
   if (start.triangle < 0) return {};
   const std::optional<Leaving> leaving = leaving_of(step, hex, other);
   const Vector3d normal = leaving ? seen_at_rest(model, held, leaving->way.direction) : start.normal;

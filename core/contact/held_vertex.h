@@ -34,6 +34,11 @@ inline const Model::BodyRange& body_of(const Model& model, int hex) {
   return model.bodies[model.hex_body[hex]];
 }
 
+/// What others hit of a body that has a surface.
+inline ScaledSurface surface_of(const Model::BodyRange& body) {
+  return {*body.rest_surface, body.rest_scale};
+}
+
 /// The smaller tolerance_depth() [m] of two hexes.
 inline double tolerance_between(const Model& model, int hex, int other_hex) {
   return std::min(tolerance_depth(model, hex), tolerance_depth(model, other_hex));
@@ -45,7 +50,7 @@ bool hold(const Model& model, const Points& apart, const Support& vertex, const 
           const HexMaps& other, double reach, HeldVertex& held);
 
 /// Is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
-bool is_clear(const RestSurface& surface, const HeldVertex& held);
+bool is_clear(const ScaledSurface& surface, const HeldVertex& held);
 
 /// No gap that measure() finds without a way out is below this [m]: what the vertex came through is no farther than where
 /// it came from.

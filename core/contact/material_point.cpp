@@ -41,8 +41,8 @@ Matrix3d gradient(const TrilinearMap& map, const Vector3d& s) {
   return columns;
 }
 
-// local coordinates of the point in the map; false if one is beyond reach
-bool invert(const TrilinearMap& map, const Vector3d& point, double reach, Vector3d& s) {
+// local coordinates of the point in the map; false if there are none near it
+bool invert(const TrilinearMap& map, const Vector3d& point, Vector3d& s) {
   s.setZero();
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Matrix3d jacobian = gradient(map, s);
@@ -50,7 +50,7 @@ bool invert(const TrilinearMap& map, const Vector3d& point, double reach, Vector
     const Vector3d change = jacobian.inverse() * (place(map, s) - point);
     s -= change;
     if (!(s.cwiseAbs().maxCoeff() < 4)) return false;
-    if (change.cwiseAbs().maxCoeff() < settled) return s.cwiseAbs().maxCoeff() <= reach;
+    if (change.cwiseAbs().maxCoeff() < settled) return true;
   }
   return false;
 }
@@ -63,13 +63,18 @@ HexMaps hex_maps(const Model& model, const Points& positions, int hex) {
 
 bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material) {
   Vector3d s;
-  if (!invert(maps.world, point, reach, s)) return false;
+  if (!invert(maps.world, point, s) || s.cwiseAbs().maxCoeff() > reach) return false;
   const Matrix3d F = gradient(maps.world, s) * gradient(maps.rest, s).inverse();
   if (!(F.determinant() > 0)) return false;
   material.weights = shape_functions(s);
   material.rest = place(maps.rest, s);
   material.F_inverse = F.inverse();
   return true;
+}
+
+// The largest singular value squared is no more than the largest sum of absolute values in a row of M^T M.
+double stretch_bound(const Matrix3d& M) {
+  return std::sqrt((M.transpose() * M).cwiseAbs().rowwise().sum().maxCoeff());
 }
 
 HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
@@ -82,21 +87,26 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   bounds.rest_centre = rest.colwise().mean().transpose();
   const Matrix8x3d at_centre = shape_gradients(Vector3d::Zero());
   const Matrix3d A = nodes.transpose() * at_centre, H = rest.transpose() * at_centre;  // of local coordinates
-  bounds.rest_error = bounds.local_error = bounds.largest_inverse = bounds.largest_stretch = infinity;
+  bounds.rest_error = bounds.local_error = bounds.largest_inverse = bounds.bend = infinity;
   if (model.bodies[model.hex_body[hex]].cells.rows() == 0 || !(std::abs(A.determinant()) > 0)) return bounds;
   const Matrix3d A_inverse = A.inverse();
   bounds.rest_from_world = H * A_inverse;
   bounds.local_from_world = A_inverse;
-  double error = 0, bend = 0;  // of the map, and of its gradient
+  bounds.rest_stretch = stretch_bound(bounds.rest_from_world);
+  bounds.local_stretch = stretch_bound(A_inverse);
+  const Matrix3d edges = H.diagonal() * H.diagonal().cwiseInverse().transpose();  // ratios of the cell's
+  bounds.rest_error = bounds.local_error = bounds.bend = 0;
+  double rest_bend = 0;  // of the map back to rest
   for (int n = 0; n < 8; ++n) {
     const Vector3d s(n & 4 ? 1 : -1, n & 2 ? 1 : -1, n & 1 ? 1 : -1);
-    error = std::max(error, (nodes.row(n).transpose() - bounds.centre - A * s).norm());
-    bend = std::max(bend, (A_inverse * (nodes.transpose() * shape_gradients(s) - A)).norm());
+    const Vector3d error = A_inverse * (nodes.row(n).transpose() - bounds.centre) - s;
+    const Matrix3d E = A_inverse * (nodes.transpose() * shape_gradients(s)) - Matrix3d::Identity();
+    bounds.local_error = std::max(bounds.local_error, error.cwiseAbs().maxCoeff());
+    bounds.rest_error = std::max(bounds.rest_error, (H * error).norm());
+    bounds.bend = std::max(bounds.bend, E.norm());
+    rest_bend = std::max(rest_bend, E.cwiseProduct(edges).norm());
   }
-  bounds.rest_error = bounds.rest_from_world.norm() * error;
-  bounds.local_error = A_inverse.norm() * error;
-  bounds.largest_stretch = (A * H.inverse()).norm() * (1 + bend);
-  if (bend < 1) bounds.largest_inverse = bounds.rest_from_world.norm() / (1 - bend);
+  if (rest_bend < 1) bounds.largest_inverse = bounds.rest_stretch / (1 - rest_bend);
   return bounds;
 }
 
@@ -112,10 +122,20 @@ double distance_from(const HexBounds& bounds, const Vector3d& point) {
   return distance;
 }
 
+// With  x = c + A (s + e(s)),  the gradient of e is odd and even terms of first and second degree in s, which grow to no more
+// than m^2 times what they are in the hex where coordinates go up to m. While that is below 1, no two places there have one
+// x, and on the straight way from the hex to a point with coordinate m they grow by at least m - 1.
+double distance_beyond(const HexBounds& bounds, const Vector3d& point) {
+  Vector3d s;
+  if (!std::isfinite(bounds.bend) || !invert(bounds.maps.world, point, s)) return 0;
+  const double most = s.cwiseAbs().maxCoeff(), left = 1 - most * most * bounds.bend;
+  return most > within_hex && left > 0 ? (most - within_hex) * left / bounds.local_stretch : 0;
+}
+
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by) {
   if (!std::isfinite(bounds.local_error)) return true;
   // both move: the point and the hex's centre by `by`, and a corner of the affine map by sqrt(3) times as much
-  const double reach = within_hex + bounds.local_error + (2 + std::sqrt(3)) * bounds.local_from_world.norm() * by;
+  const double reach = within_hex + bounds.local_error + (2 + std::sqrt(3)) * bounds.local_stretch * by;
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (int n = 0; n < 8; ++n) {
     const Vector3d local = bounds.local_from_world * (nodes.row(n).transpose() - bounds.centre);

@@ -31,6 +31,9 @@ HexMaps hex_maps(const Model& model, const Points& positions, int hex);
 /// hex's centre along an axis, or where the hex is turned inside out.
 bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material);
 
+/// By how much the matrix makes vectors longer, at most; just that where it turns and scales.
+double stretch_bound(const Matrix3d& M);
+
 /// Bounds of where find_material() finds points of a hex, at the cost of a product: the trilinear map differs from an
 /// affine one by no more than it does at the corners.
 struct HexBounds {
@@ -38,15 +41,20 @@ struct HexBounds {
   Eigen::AlignedBox3d box;                     // of the deformed hex
   Matrix3d rest_from_world, local_from_world;  // of the affine map
   Vector3d centre, rest_centre;                // [m]
+  double rest_stretch = 0, local_stretch = 0;  // [-], [1/m] by which these make vectors longer, at most
   double rest_error = 0;                       // [m] of the material that the affine map gives; infinity: no bound
   double local_error = 0;                      // [-] of local coordinates, each
-  double largest_inverse = 0;                  // [-] of F^-1 in the hex, in Frobenius' norm
-  double largest_stretch = 0;                  // [-] of F, the same
+  double largest_inverse = 0;                  // [-] by which F^-1 makes vectors longer in the hex, at most
+  double bend = 0;  // [-] norm of E, the map's gradient being A (1 + E), A that of the affine one; infinity: no bound
 };
 HexBounds bound_hex(const Model& model, const Points& positions, int hex);
 
 /// How far [m] the point is at least from where the hex may hold points; 0: it may hold this one.
 double distance_from(const HexBounds& bounds, const Vector3d& point);
+
+/// How far [m] a point that the hex does not hold is at least from where it may hold points; 0: nothing is known. At the cost
+/// of find_material().
+double distance_beyond(const HexBounds& bounds, const Vector3d& point);
 
 /// May the hex hold a point of another hex with these nodes, if all nodes of both move by no more than `by` [m]?
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by);

@@ -10,22 +10,27 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;  // [-] of distances
 constexpr int worth_a_look = 4;    // vertices of a cluster: fewer are looked at one by one
 
-// how far nodes of the two hexes move against each other between two sets of positions [m]
-double largest_motion(const Model& model, const Points& from, const Points& to, int a, int b) {
-  const auto moves = [&](int hex) -> Matrix8x3d { return hex_nodes(model, to, hex) - hex_nodes(model, from, hex); };
-  const Matrix8x3d moves_a = moves(a), moves_b = moves(b);
-  double largest = 0;
-  for (int m = 0; m < 8; ++m)
-    for (int n = 0; n < 8; ++n) largest = std::max(largest, (moves_a.row(m) - moves_b.row(n)).squaredNorm());
-  return std::sqrt(largest);
+// a box around how the nodes of the hex move between two sets of positions [m]
+Eigen::AlignedBox3d moves_of(const Model& model, const Points& from, const Points& to, int hex) {
+  Eigen::AlignedBox3d moves;
+  for (int n = 0; n < 8; ++n) {
+    const int node = model.hexes(hex, n);
+    moves.extend((to.row(node) - from.row(node)).transpose());
+  }
+  return moves;
+}
+
+// how far [m] what moves like this may move against each other
+double largest_motion(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.max() - b.min()).cwiseMax(b.max() - a.min()).norm();
 }
 
 // Bound of the distance [m] from the touched surface of points within a radius of this one, if the hex holds them.
 double least_distance(const Model::BodyRange& body, const HexBounds& bounds, const Vector3d& position, double radius) {
   if (!std::isfinite(bounds.rest_error)) return -infinity;
   const Vector3d rest = bounds.rest_centre + bounds.rest_from_world * (position - bounds.centre);
-  return distance_bounds(*body.rest_surface, body.rest_pose.local(rest)).low - bounds.rest_error -
-         (radius > 0 ? bounds.rest_from_world.norm() * radius : 0);
+  return distance_bounds(surface_of(body), body.rest_pose.local(rest)).low - bounds.rest_error -
+         bounds.rest_stretch * radius;
 }
 
 const int* first_vertex(const VertexClusters& clusters, int hex) {
@@ -197,10 +202,11 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   search.clearances.of_encounters[i]};
   if (meeting.clearance.least > meeting.clearance.way && meeting.clearance.unseen.empty()) return meeting;
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
+  const Eigen::AlignedBox3d moves = moves_of(model, before, positions, encounter.hex);
   for (const int other : encounter.others) {
     const HexBounds& bounds = search.bounds[std::size_t(other)];
-    meeting.others.push_back({other, bounds.box, &bounds,
-                              bounds.largest_inverse * largest_motion(model, before, positions, encounter.hex, other)});
+    const double against = largest_motion(moves, moves_of(model, before, positions, other));
+    meeting.others.push_back({other, bounds.box, &bounds, against > 0 ? bounds.largest_inverse * against : 0});
   }
   std::vector<double>& until = meeting.clearance.until;
   if (until.empty()) until.assign(num_vertices(meeting.clusters, encounter.hex), -infinity);
@@ -216,12 +222,10 @@ bool find_held(const Meeting& meeting, int k, HeldVertex& held) {
   bool is_held = false;
   double least_held = infinity;  // of hexes that may hold it, or do
   const double least = clear_of_all(meeting, meeting.others, position, 0, [&](const OtherHex& other) {
-    double clear = 0;
-    if (!is_held && hold(meeting.model, meeting.apart, vertex, position, other.bounds->maps, within_hex, held)) {
-      is_held = !is_clear(*meeting.body.rest_surface, held);
-      clear = held.bounds.low;
-    }
-    least_held = std::min(least_held, clear);
+    if (is_held) return;
+    const bool is_inside = hold(meeting.model, meeting.apart, vertex, position, other.bounds->maps, within_hex, held);
+    is_held = is_inside && !is_clear(surface_of(meeting.body), held);
+    least_held = std::min(least_held, is_inside ? held.bounds.low : distance_beyond(*other.bounds, position));
   });
   if (!is_held) meeting.clearance.until[std::size_t(k)] = clear_until(meeting, std::min(least, least_held));
   return is_held;

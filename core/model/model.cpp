@@ -99,6 +99,7 @@ void append(const Body& body, Model& model) {
   range.cell_edges = body.lattice.cell_size;
   range.rest_distance = body.rest_distance;
   range.rest_surface = body.rest_surface;
+  range.rest_scale = body.rest_scale;
   range.rest_pose = body.rest_pose;
   range.pins = body.pins;
   model.bodies.push_back(range);

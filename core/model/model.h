@@ -93,9 +93,10 @@ struct Body {
   Points surface_rest;           // #P x 3 [m] their rest positions
   std::shared_ptr<const SampledDistance>
       rest_distance;  // of the rest surface; may be null: obstacle edges pass through
-  // what others hit, in the frame of which rest_pose is the place in the world at time 0; null: they pass through it,
-  // and it touches them by its vertices alone
+  // what others hit, if it is made larger by rest_scale, in the frame of which rest_pose is the place in the world at
+  // time 0; null: they pass through it, and it touches them by its vertices alone
   std::shared_ptr<const RestSurface> rest_surface;
+  double rest_scale = 1;
   Pose rest_pose;
   std::shared_ptr<const BodyPins> pins;  // what tells points of it where to go; null: nothing
 };
@@ -126,6 +127,7 @@ struct Model {
     Vector3d cell_edges{0, 0, 0};  // [m] of a regular lattice
     std::shared_ptr<const SampledDistance> rest_distance;
     std::shared_ptr<const RestSurface> rest_surface;
+    double rest_scale = 1;
     Pose rest_pose;
     std::shared_ptr<const BodyPins> pins;
   };

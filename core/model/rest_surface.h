@@ -77,4 +77,20 @@ SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, cons
 /// The first triangle that the segment crosses from its front to its back; -1: none.
 int first_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to);
 
+/// The surface at another size: bodies that differ in their size alone share one, and its cache. What is asked of it, as
+/// of a surface, and what it answers is at that size. It must not outlive the surface.
+struct ScaledSurface {
+  const RestSurface& of;
+  double scale = 1;  // [-] of lengths, more than 0
+};
+
+inline Vector3d triangle_normal(const ScaledSurface& surface, int t) {
+  return surface.of.triangle_normals.row(t).transpose();
+}
+SurfaceHit nearest_point(const ScaledSurface& surface, const Vector3d& point, double reach);
+DistanceBounds distance_bounds(const ScaledSurface& surface, const Vector3d& point);
+SurfaceHit nearest_alike(const ScaledSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
+                         double reach);
+int first_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to);
+
 }  // namespace umax

@@ -147,6 +147,12 @@ double entry(const RestSurface& surface, int t, const Vector3d& from, const Vect
   return share;
 }
 
+SurfaceHit scaled(SurfaceHit hit, double scale) {
+  hit.point *= scale;
+  hit.distance *= scale;
+  return hit;
+}
+
 }  // namespace
 
 SurfaceHit nearest_point(const RestSurface& surface, const Vector3d& point, double reach) {
@@ -195,6 +201,25 @@ int first_entered(const RestSurface& surface, const Vector3d& from, const Vector
         if (share < least || (share == least && t < first)) least = share, first = t;
       });
   return first;
+}
+
+SurfaceHit nearest_point(const ScaledSurface& surface, const Vector3d& point, double reach) {
+  return scaled(nearest_point(surface.of, point / surface.scale, reach / surface.scale), surface.scale);
+}
+
+DistanceBounds distance_bounds(const ScaledSurface& surface, const Vector3d& point) {
+  const DistanceBounds bounds = distance_bounds(surface.of, point / surface.scale);
+  return {surface.scale * bounds.low, surface.scale * bounds.high};
+}
+
+SurfaceHit nearest_alike(const ScaledSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
+                         double reach) {
+  return scaled(nearest_alike(surface.of, point / surface.scale, direction, cosine, reach / surface.scale),
+                surface.scale);
+}
+
+int first_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to) {
+  return first_entered(surface.of, from / surface.scale, to / surface.scale);
 }
 
 }  // namespace umax

@@ -5,8 +5,10 @@
 
 #include "core/base/groups.h"
 #include "core/contact/clearances.h"
+#include "core/contact/contact_detection.h"
 #include "core/contact/contact_support.h"
 #include "core/contact/surface_contact.h"
+#include "core/contact/surface_overlap.h"
 
 namespace umax {
 namespace {
@@ -37,6 +39,16 @@ void renumber(const Model::BodyRange& from, const Model::BodyRange& to, State::C
   if (contact.point.kind != ContactKind::obstacle_edge) contact.point.index += to.first_point - from.first_point;
 }
 
+// Encounters at the positions between bodies of different islands; island_of: #B.
+std::shared_ptr<Clearances> across(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                                   const std::vector<int>& island_of) {
+  auto known = std::make_shared<Clearances>();
+  known->encounters = find_encounters_of(
+      model, geometry.touchable, geometry.hex_starts, positions, encounter_margin,
+      [&](int body, int other) { return island_of[std::size_t(body)] != island_of[std::size_t(other)]; });
+  return known;
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeometry& geometry, double time_step,
@@ -63,16 +75,22 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
       island_of[body] = int(i);
       groups.join(islands[i].front(), body);
     }
-  ContactStep step =
-      begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0);
-  std::erase_if(step.clearances->encounters.all, [&](const Encounter& encounter) {  // what was solved together
-    return island_of[model.hex_body[encounter.hex]] == island_of[encounter.body];
-  });
+  const ContactStep step =
+      begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0,
+                         across(model, geometry, end.positions, island_of));
   for (const Contact& contact : surface_candidates(step, start.positions, end.positions, 1)) {
     const auto [first, second] = bodies_of(model, contact);
     if (island_of[first] != island_of[second]) groups.join(first, second);
   }
   return groups.all();
+}
+
+double deepest_across(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                      const std::vector<std::unique_ptr<Island>>& islands) {
+  std::vector<int> island_of(model.bodies.size());
+  for (std::size_t i = 0; i < islands.size(); ++i)
+    for (const int body : islands[i]->bodies) island_of[std::size_t(body)] = int(i);
+  return max_surface_penetration(model, geometry, positions, across(model, geometry, positions, island_of));
 }
 
 std::unique_ptr<Island> make_island(const Model& model, const ContactGeometry& geometry,

@@ -25,6 +25,10 @@ std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeom
 std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeometry& geometry, const State& start,
                                            const State& end, const std::vector<std::vector<int>>& islands);
 
+/// How deep vertices of one island are inside another at most [m].
+double deepest_across(const Model& model, const ContactGeometry& geometry, const Points& positions,
+                      const std::vector<std::unique_ptr<Island>>& islands);
+
 std::unique_ptr<Island> make_island(const Model& model, const ContactGeometry& geometry,
                                     const std::vector<int>& bodies);
 

@@ -48,12 +48,32 @@ void measure_energies(const Model& model, const StepOptions& options, const Stat
   for (const double energy : elastic) report.elastic_energy += energy;
 }
 
-// known: what the searches of the measurements before remember
+// What searches remember that a measurement at the positions may start from: those of the solution, where all bodies were
+// solved together, know them already. Else those of the measurements before.
+std::shared_ptr<Clearances> known_at(const Points& positions, Workspace::Data& data) {
+  if (data.clearances && data.clearances->positions.rows() == positions.rows() &&
+      data.clearances->positions == positions)
+    return std::make_shared<Clearances>(*data.clearances);
+  if (!data.measured) data.measured = std::make_shared<Clearances>();
+  return data.measured;
+}
+
+// how deep surface vertices are inside other bodies, or other parts of their own, at most [m]
+double deepest_in_bodies(const Model& model, const Points& positions, Workspace::Data& data) {
+  if (data.islands.empty())
+    return max_surface_penetration(model, data.contact_geometry, positions, known_at(positions, data));
+  double deepest = deepest_across(model, data.contact_geometry, positions, data.islands);
+  for (const std::unique_ptr<Island>& island : data.islands)
+    deepest =
+        std::max(deepest, deepest_in_bodies(island->model, part_of(model, positions, *island), island->workspace));
+  return deepest;
+}
+
+// in_bodies: [m] as of deepest_in_bodies()
 void measure_into(const Model& model, const StepOptions& options, const ContactGeometry& geometry, const State& state,
-                  const std::shared_ptr<Clearances>& known, StepReport& report) {
+                  double in_bodies, StepReport& report) {
   report.max_energy_ratio = model.num_hexes() ? energy_ratios(model, options.solver, state).maxCoeff() : 0;
-  report.max_penetration = std::max(max_penetration(model, geometry, state.positions, state.time),
-                                    max_surface_penetration(model, geometry, state.positions, known));
+  report.max_penetration = std::max(max_penetration(model, geometry, state.positions, state.time), in_bodies);
   measure_energies(model, options, state, report);
 }
 
@@ -267,8 +287,7 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   next.time = state.time + options.time_step;
   ++next.step;
   Workspace::Data& data = workspace.data();
-  if (!data.measured) data.measured = std::make_shared<Clearances>();
-  measure_into(model, options, data.contact_geometry, next, data.measured, report);
+  measure_into(model, options, data.contact_geometry, next, deepest_in_bodies(model, next.positions, data), report);
   next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
   const bool is_pinned = &pinned_model(model, next.time, workspace.data()) != &model;  // pins beat limits
   if (!next.been_feasible || (is_pinned && report.max_energy_ratio > 1 + options.solver.tolerance))
@@ -279,7 +298,8 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
 
 StepReport measure(const Model& model, const StepOptions& options, const State& state) {
   StepReport report;
-  measure_into(model, options, make_contact_geometry(model), state, nullptr, report);
+  const ContactGeometry geometry = make_contact_geometry(model);
+  measure_into(model, options, geometry, state, max_surface_penetration(model, geometry, state.positions), report);
   return report;
 }
 

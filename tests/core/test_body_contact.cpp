@@ -77,6 +77,27 @@ TEST_CASE("a ball comes to rest on a block that is held as a whole") {
   CHECK(!state.contacts.empty());
 }
 
+TEST_CASE("the depth that a step reports is that of all bodies, though pairs of them are solved apart") {
+  std::vector<Body> bodies;
+  for (const double x : {0.0, 5.0}) {
+    bodies.push_back(touchable_block(x > 0 ? "b" : "a", {3, 1, 3}, {x, 0, 0}, 0.1));
+    for (int node = 0; node < int(bodies.back().lattice.rest_positions.rows()); ++node)
+      bodies.back().fixed_nodes.push_back(node);
+    bodies.push_back(touchable_ball(x > 0 ? "d" : "c", 3, {x + 0.15, x > 0 ? 0.23 : 0.24, 0.15}, 0.12));
+  }
+  const Model model = make_model(std::move(bodies), {});
+  const StepOptions options;
+  Workspace workspace(model);
+  State state = rest_state(model);
+  int touched = 0;
+  for (int i = 0; i < 8; ++i) {
+    const StepReport report = step(model, options, workspace, state);
+    CHECK(report.max_penetration == measure(model, options, state).max_penetration);
+    touched += report.max_penetration > 0;
+  }
+  CHECK(touched > 3);
+}
+
 TEST_CASE("bodies that may not touch pass through each other") {
   Body left = touchable_block("left", {2, 2, 2}, {0, 0, 0}, 0.1);
   Body right = touchable_block("right", {2, 2, 2}, {0.25, 0, 0}, 0.1);

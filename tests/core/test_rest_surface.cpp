@@ -243,3 +243,26 @@ TEST_CASE("vertices at one place are one, and triangles without area are none") 
   for (int row = 0; row < 6; ++row) CHECK(surface.edge_normals.row(row).z() == Approx(1));
   CHECK(nearest_point(make_rest_surface(Points(0, 3), Triangles(0, 3)), Vector3d::Zero(), anywhere).triangle == -1);
 }
+
+TEST_CASE("a surface at another size answers as one made at that size") {
+  constexpr double scale = 3.7;
+  Random random(5);
+  const RestSurface surface = make_rough_sphere(random);
+  const RestSurface larger = make_rest_surface(scale * surface.vertices, surface.triangles);
+  const ScaledSurface scaled{surface, scale};
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d point = scale * random_point(random, 1.3), to = scale * random_point(random, 1.3);
+    const SurfaceHit hit = nearest_point(scaled, point, anywhere), expected = nearest_point(larger, point, anywhere);
+    CHECK(hit.distance == Approx(expected.distance));
+    CHECK((hit.point - expected.point).norm() < 1e-12);
+    CHECK((hit.normal - expected.normal).norm() < 1e-9);
+    CHECK((nearest_point(scaled, point, 0.1).triangle < 0) == (nearest_point(larger, point, 0.1).triangle < 0));
+    CHECK(first_entered(scaled, point, to) == first_entered(larger, point, to));
+    const Vector3d side = point.normalized();
+    CHECK(nearest_alike(scaled, point, side, 0.5, 9).distance ==
+          Approx(nearest_alike(larger, point, side, 0.5, 9).distance));
+    const DistanceBounds bounds = distance_bounds(scaled, point);
+    CHECK(bounds.low <= expected.distance);
+    CHECK(bounds.high >= expected.distance);
+  }
+}

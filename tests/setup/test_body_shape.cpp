@@ -29,15 +29,16 @@ std::string tetrahedron(bool is_open) {
 double largest_error(const Model::BodyRange& body, const TriangleMesh& placed) {
   double largest = 0;
   for (Eigen::Index v = 0; v < placed.num_vertices(); ++v)
-    largest = std::max(largest, (body.rest_pose.world(body.rest_surface->vertices.row(v).transpose()) -
-                                 placed.positions.row(v).transpose())
-                                    .norm());
+    largest =
+        std::max(largest, (body.rest_pose.world(body.rest_scale * body.rest_surface->vertices.row(v).transpose()) -
+                           placed.positions.row(v).transpose())
+                              .norm());
   return largest;
 }
 
 }  // namespace
 
-TEST_CASE("equal bodies share the surface that others hit, wherever they are and however turned") {
+TEST_CASE("bodies of one shape share the surface that others hit, wherever they are, however turned and large") {
   const TemporaryFolder folder;
   make_file(folder / "t.obj", tetrahedron(false));
   const std::string mesh = "mesh = \"" + (folder / "t.obj").string() + "\"\nunit = \"cm\"\nup = \"z\"\n";
@@ -55,7 +56,9 @@ TEST_CASE("equal bodies share the surface that others hit, wherever they are and
           1e-14);
   }
   CHECK(bodies[0].rest_surface == bodies[1].rest_surface);
-  CHECK(bodies[0].rest_surface != bodies[2].rest_surface);
+  CHECK(bodies[0].rest_surface == bodies[2].rest_surface);
+  CHECK(bodies[0].rest_scale == 1);
+  CHECK(bodies[2].rest_scale == Approx(2));
   CHECK(simulation.bodies[0].shape.own == simulation.bodies[2].shape.own);
 }
 

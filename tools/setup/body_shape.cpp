@@ -142,11 +142,10 @@ void move_shape(const Vector3d& by, PlacedMesh& shape) {
   tie_to_nodes(shape);
 }
 
-std::shared_ptr<const RestSurface> rest_surface(const PlacedMesh& shape, ShapeLibrary& library) {
-  const auto found =
-      std::find_if(library.surfaces.begin(), library.surfaces.end(), [&](const ShapeLibrary::Surface& surface) {
-        return surface.own == shape.own.get() && surface.scale == shape.scale;
-      });
+std::shared_ptr<const RestSurface> rest_surface(const PlacedMesh& shape, ShapeLibrary& library, double& scale) {
+  const auto found = std::find_if(library.surfaces.begin(), library.surfaces.end(),
+                                  [&](const ShapeLibrary::Surface& surface) { return surface.own == shape.own.get(); });
+  scale = found == library.surfaces.end() ? 1 : shape.scale / found->scale;
   if (found != library.surfaces.end()) return found->surface;
   const TriangleMesh border = contact_surface(shape.own->mesh);
   std::shared_ptr<const RestSurface> surface;

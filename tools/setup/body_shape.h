@@ -40,7 +40,7 @@ struct OwnShape {
   Points loose_colors;              // #L x 3, or empty
 };
 
-/// What the bodies of a scene have in common: each shape is read once, and has one surface of each size.
+/// What the bodies of a scene have in common: each shape is read once, and has one surface.
 struct ShapeLibrary {
   struct Shape {
     BodySource source;
@@ -48,7 +48,7 @@ struct ShapeLibrary {
   };
   struct Surface {
     const OwnShape* own = nullptr;
-    double scale = 0;
+    double scale = 0;  // [m] of one of the mesh's units: that of the first body which asked
     std::shared_ptr<const RestSurface> surface;
   };
   struct Texture {
@@ -82,8 +82,9 @@ PlacedMesh place_body(const BodyDescription& body, ShapeLibrary& library);
 /// Moves the shape along.
 void move_shape(const Vector3d& by, PlacedMesh& shape);
 
-/// What others hit of the shape: its surface, in metres but not turned and not moved. Null: it has no inside.
-std::shared_ptr<const RestSurface> rest_surface(const PlacedMesh& shape, ShapeLibrary& library);
+/// What others hit of the shape: its surface, in metres but not turned and not moved, at the size of the first body that
+/// asked. Null: it has no inside. scale: of this shape over that one.
+std::shared_ptr<const RestSurface> rest_surface(const PlacedMesh& shape, ShapeLibrary& library, double& scale);
 
 /// Where that surface's frame is in the world at time 0.
 Pose rest_pose(const PlacedMesh& shape);

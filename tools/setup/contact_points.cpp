@@ -45,9 +45,10 @@ EmbeddedPoints points_between_vertices(const BodySetup& setup, const Body& body)
   if (!body.rest_surface)
     return embed_inside(sample_between_vertices(make_rest_surface(mesh.positions, mesh.triangles), sampling),
                         setup.lattice);
-  sampling.to_cells = sampling.to_cells * body.rest_pose.rotation;
+  sampling.to_cells = body.rest_scale * sampling.to_cells * body.rest_pose.rotation;
+  sampling.ridge_depth /= body.rest_scale;
   Points points = sample_between_vertices(*body.rest_surface, sampling);
-  for (auto point : points.rowwise()) point = body.rest_pose.world(point.transpose()).transpose();
+  for (auto point : points.rowwise()) point = body.rest_pose.world(body.rest_scale * point.transpose()).transpose();
   return embed_inside(points, setup.lattice);
 }
 

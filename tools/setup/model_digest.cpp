@@ -118,8 +118,8 @@ void add_pin(ByteWriter& out, const Pin& pin) {
 
 void add_body(ByteWriter& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
-               friction, friction_keys, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_pose,
-               pins] = body;
+               friction, friction_keys, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_scale,
+               rest_pose, pins] = body;
   static_cast<void>(friction);  // of friction_keys
   static_cast<void>(cells);     // they and cell_edges follow from the nodes and hexes
   static_cast<void>(cell_edges);
@@ -137,6 +137,7 @@ void add_body(ByteWriter& out, const Model::BodyRange& body) {
   if (!rest_surface) return;
   out.put_matrix(rest_surface->vertices);
   out.put_matrix(rest_surface->triangles);
+  if (rest_scale != 1) out.put_all(rest_scale);
   out.put_matrix(rest_pose.rotation);
   out.put_matrix(rest_pose.translation);
 }

@@ -269,7 +269,7 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
     setup.look = body_look(description, setup.shape, library, simulation.warnings);
     bodies.push_back(make_body(description, setup, needs_distance));
     if (is_touched[bodies.size() - 1]) {
-      bodies.back().rest_surface = rest_surface(setup.shape, library);
+      bodies.back().rest_surface = rest_surface(setup.shape, library, bodies.back().rest_scale);
       bodies.back().rest_pose = rest_pose(setup.shape);
       append(points_between_vertices(setup, bodies.back()), bodies.back().surface);
     }
