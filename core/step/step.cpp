@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "core/contact/clearances.h"
 #include "core/contact/moving_obstacle.h"
 #include "core/contact/surface_overlap.h"
+#include "core/linear/direct/sparse_cholesky.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
 #include "core/step/exact_step.h"
@@ -194,38 +196,47 @@ StepReport advance_whole(const Model& model, const StepOptions& options, Workspa
 
 // the island by itself, with the matrices that its bodies had before
 StepReport advance_island(const Model& model, const StepOptions& options, Workspace::Data& data, Island& island,
-                          const State& start, State& end) {
+                          const State& start, State& part) {
   const auto swap_matrices = [&] {
     for (std::size_t i = 0; i < island.bodies.size(); ++i)
       std::swap(data.bodies[island.bodies[i]], island.workspace.bodies[i]);
   };
-  State part = part_of(model, start, island);
+  part = part_of(model, start, island);
   StepOptions part_options = options;
   part_options.forces = part_of(model, options.forces, island);
   swap_matrices();
   const StepReport report = advance_whole(island.model, part_options, island.workspace, part);
   swap_matrices();
-  put_back(model, island, part, end);
   return report;
 }
 
-// Each island by itself; where bodies of two have come into each other after all, these once more, together. The paper's
-// method has one system for everything.
+// at_once: else one after the other, as whoever listens to their iterations expects
+void for_each_island(std::size_t count, bool at_once, const std::function<void(Eigen::Index)>& visit) {
+  if (at_once) return for_each_factor(Eigen::Index(count), visit);
+  for (std::size_t i = 0; i < count; ++i) visit(Eigen::Index(i));
+}
+
+// Each island by itself, several at a time; where bodies of two have come into each other after all, these once more,
+// together. The paper's method has one system for everything.
 StepReport advance_islands(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
   std::vector<std::vector<int>> islands;
   if (options.solver.method == SolverMethod::exact)
     islands = find_islands(model, data.contact_geometry, options.time_step, state);
   while (islands.size() > 1) {
     std::vector<std::unique_ptr<Island>> made;
+    for (const std::vector<int>& bodies : islands) made.push_back(island_of(model, bodies, data));
+    data.islands = std::move(made);
+    std::vector<StepReport> reports(islands.size());
+    std::vector<State> parts(islands.size());
+    const auto advance_one = [&](Eigen::Index i) {
+      reports[std::size_t(i)] =
+          advance_island(model, options, data, *data.islands[std::size_t(i)], state, parts[std::size_t(i)]);
+    };
+    for_each_island(islands.size(), !options.on_iteration, advance_one);
     State end = state;
     end.time += options.time_step;
     end.contacts.clear();
-    std::vector<StepReport> reports;
-    for (const std::vector<int>& bodies : islands) {
-      made.push_back(island_of(model, bodies, data));
-      reports.push_back(advance_island(model, options, data, *made.back(), state, end));
-    }
-    data.islands = std::move(made);
+    for (std::size_t i = 0; i < parts.size(); ++i) put_back(model, *data.islands[i], parts[i], end);
     std::vector<std::vector<int>> joined = join_islands(model, data.contact_geometry, state, end, islands);
     if (joined.size() == islands.size()) {
       state = std::move(end);
