@@ -15,7 +15,6 @@ MOST_TIME_GROWTH = 1.1  # of the processor, in the last quarter over that in the
 MOST_LIMIT_RATIO = 1.001
 MOST_ENERGY_RISE = 1e-4  # above the least so far, of the most that there was
 MOST_MOMENTUM_DRIFT = 1e-8  # of the momentum at first
-MOST_FAILING_STEPS = 1e-4  # of those with contact
 MOST_PENETRATION = 1e-3  # of a cell, as solver.tolerance has it
 
 # shaken for ever, so that contacts and limits come and go
@@ -185,9 +184,7 @@ class LongRuns:
     def rolling(self):
         rows = steps_of(self.simulate("rolling", ROLLING))
         print(f"-- rolling: {len(rows)} steps")
-        failing = sum(row["status"] != "converged" for row in rows)
-        print(f"       {failing} steps did not converge")
-        self.tell("steps that did not converge, of all", failing / len(rows), MOST_FAILING_STEPS)
+        self.tell("steps that did not converge", sum(row["status"] != "converged" for row in rows), 0)
         self.tell_energy(rows)
         cell = 0.2  # [m]
         self.tell("penetration, of a cell", max(float(row["max_penetration_m"]) for row in rows) / cell, MOST_PENETRATION)

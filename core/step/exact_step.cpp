@@ -16,9 +16,10 @@ namespace {
 
 constexpr double relative_penalty = 1e4;   // rho / U_max, where the matrix is factored
 constexpr double multigrid_penalty = 1e3;  // rho / (U_max + lambda), on multigrids
-constexpr double hold = 10;                // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
-constexpr int normal_updates = 6;          // iterations, but those cut short where bodies meet, after which contacts
-                                           // keep their normals
+constexpr double inertial_penalty = 10;  // [-] stiffness that a penalty gives a hex, at least, over that of its inertia
+constexpr double hold = 10;              // [-] of a limit in proportion to what exceeds it: 1 ... 100 do as well
+constexpr int normal_updates = 6;        // iterations, but those cut short where bodies meet, after which contacts
+                                         // keep their normals
 constexpr double worth_patience = 10;  // [tolerances] of the residual, once: two halves cost more than some iterations
 
 // One of the two ways in which the SQP solves its subproblem, and what goes with it.
@@ -57,6 +58,22 @@ constexpr BackEnd multigrid{
     .corrects = true,
     .halves_first = true};
 
+// What the penalty rho [J] must be at least in short steps, where inertia is stiffer than all else: c of
+//   rho / U_max^2 G^T (M / h^2)^-1 G = c,   G where U = U_max, as U / G^2 hardly changes
+// A violation, and what a multiplier misses, fall to 1 / (1 + c) in an iteration.
+double least_penalty(const StepProblem& problem, const Iterate& iterate, Eigen::Index l) {
+  const Model& model = *problem.model;
+  const auto gradient = iterate.evaluation.limit_gradient(model, l);
+  double mobility = 0;  // G^T M^-1 G [J/s^2]
+  for (int n = 0; n < 8; ++n) {
+    const int node = model.hexes(model.limits[l].hex, n);
+    if (!model.node_fixed[node]) mobility += gradient.segment<3>(3 * n).squaredNorm() / model.node_mass[node];
+  }
+  if (mobility == 0) return 0;
+  return inertial_penalty * problem.materials.limits[l] * iterate.evaluation.energy[l] /
+         (problem.h * problem.h * mobility);
+}
+
 // Terms of the limits that the next iteration holds: not of those whose multiplier came out negative in the one before.
 // Energies are convex, so a step to the linearised limit ends a little beyond it, and such a hex would be held there
 // for ever. Whether a limit is held must not depend on the penalty: a large one lets go at a hair's breadth below the
@@ -68,8 +85,10 @@ std::vector<LimitTerms> sequential_limit_terms(const StepProblem& problem, const
     if (problem.model->limits[l].kind != LimitKind::hard) continue;
     const double energy = iterate.evaluation.energy[l], limit = problem.materials.limits[l],
                  multiplier = iterate.multipliers[l];
-    const bool held = !iterate.released[l] && multiplier + hold * (energy - limit) > 0;
-    terms[l] = held ? held_limit_terms(energy, limit, multiplier, back_end.penalty(limit, multiplier)) : LimitTerms{};
+    terms[l] = {};
+    if (iterate.released[l] || multiplier + hold * (energy - limit) <= 0) continue;
+    const double penalty = std::max(back_end.penalty(limit, multiplier), least_penalty(problem, iterate, l));
+    terms[l] = held_limit_terms(energy, limit, multiplier, penalty);
   }
   return terms;
 }

@@ -177,6 +177,29 @@ TEST_CASE("limits that an impact loads and unloads are found in few iterations")
   CHECK(iterations <= 60);  // 259 where limits that would pull are held until they are loosened
 }
 
+TEST_CASE("multipliers that an impact changes settle at once in very short steps, too") {
+  Body block = test::make_block({3, 3, 3}, {0, 0.001, 0}, 0.2);
+  block.material.young = Track<double>(20e3);
+  block.limit.kind = LimitKind::hard;
+  block.limit.unit = LimitUnit::stretch;
+  block.limit.value = Track<double>(0.05);
+  block.velocity = {1, -3, 0};
+  block.spin = {0, 0, 2};
+  const Model model = make_model({block}, {test::make_ground(0.5)});
+  StepOptions options = exact_options();
+  options.time_step = 1.0 / 6000;
+  State state = rest_state(model);
+  int iterations = 0, active = 0;
+  test::simulate(model, options, 300, state, [&](const StepReport& report, const State&) {
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.retries == 0);
+    iterations += report.sqp_iterations;
+    active = std::max(active, report.limits_active);
+  });
+  CHECK(active > 5);
+  CHECK(iterations <= 700);  // 19,645 with a penalty that does not know the inertia
+}
+
 TEST_CASE("a free fall is solved before the first iteration, however far a step moves the body") {
   Body block = test::make_block({2, 2, 2}, {0, 100, 0}, 0.1);
   block.velocity = {1, -30, 0};
