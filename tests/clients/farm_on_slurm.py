@@ -158,6 +158,26 @@ def a_refused_job_leaves_none(program, cluster, folder):
     assert not cluster.call("squeue", "--noheader"), cluster.report()
 
 
+def a_task_knows_its_time_and_goes_back_alone(cluster, folder):
+    """The last task of an array, whose number is that of the whole array."""
+    queue = Path(__file__).resolve().parents[2] / "tools/farm/slurm.sh"
+    script = folder / "task.sh"
+    script.write_text(f"#!/bin/bash\n#SBATCH --output={folder}/task-%a.log\n. '{queue}'\ntask_seconds_left\n"
+                      f"until [ -e '{folder}/go' ]; do sleep 0.1; done\n"
+                      "[ $SLURM_ARRAY_TASK_ID = 1 ] && sleep 100\nrequeue_task\n")
+    array = cluster.call("sbatch", "--parsable", "--requeue", "--array=1-2", "--time=7", str(script)).strip()
+    logs = [folder / f"task-{task}.log" for task in (1, 2)]
+    cluster.wait_for(lambda: all(log.exists() and log.read_text() for log in logs), 60, "time that is left")
+    for log in logs:
+        assert 390 <= int(log.read_text()) <= 420, log.read_text()
+    (folder / "go").touch()
+    states = lambda: dict(line.split() for line in cluster.call("squeue", "--noheader", "--array", "--format=%K %T").splitlines())
+    cluster.wait_for(lambda: states().get("2") == "PENDING", 60, "task in the queue again")
+    assert states()["1"] == "RUNNING", states()
+    cluster.call("scancel", array)
+    cluster.wait_for(lambda: not states(), 60, "empty queue")
+
+
 def main():
     program = str(Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory(prefix="umax-farm-") as folder:
@@ -168,6 +188,7 @@ def main():
                         variants_wait_for_their_own(program, cluster, folder)]
             is_cancelled(program, cluster, folder)
             a_refused_job_leaves_none(program, cluster, folder)
+            a_task_knows_its_time_and_goes_back_alone(cluster, folder)
     print(f"passed: {sum(s['lost'] for s in statuses)} calls lost in jobs, "
           f"{sum(s['recovered'] for s in statuses)} recovered, the bytes those of one machine")
 

@@ -65,8 +65,8 @@ struct FakeQueue {
   void set_tasks(const std::string& text) const { make_file(notes.string() + ".tasks", text); }
 };
 
-/// Calls go_on of task_functions.sh with a umax that ends with these codes, one after the other, then with 0. more: commands
-/// before it.
+/// Calls go_on of task_functions.sh with a umax that ends with these codes, one after the other, then with 0, and leaves a
+/// state each time. more: commands before it.
 struct Attempts {
   int code = 0;
   std::string calls;   // "begins 137 begins 0"
@@ -80,14 +80,16 @@ Attempts go_on(const std::string& codes, const std::string& more = ":") {
   make_file(paths.queue(), queue_functions("slurm"));
   make_file(folder / "codes", codes);
   make_file(folder / "umax", "#!/bin/bash\nread -r code rest <" + (folder / "codes").string() + "\necho \"$rest\" >" +
-                                 (folder / "codes").string() + "\nexit ${code:-0}\n");
+                                 (folder / "codes").string() + "\nmktemp -qp " + (folder / "states").string() +
+                                 " >/dev/null\nexit ${code:-0}\n");
+  fs::create_directories(folder / "states");
   fs::permissions(folder / "umax", fs::perms::owner_all);
   make_file(paths.farm() / "task.sh",
             script_named(farm_scripts(plan, paths, queue_functions("slurm"), (folder / "umax").string()), "task.sh"));
   const ProcessResult result =
       run_process({"bash", "-c",
-                   ". " + (paths.farm() / "task.sh").string() + "; sleep() { :; }; most_lost=2 most_waits=3; " + more +
-                       "; go_on call render DIR"});
+                   ". " + (paths.farm() / "task.sh").string() + "; sleep() { :; }; run=1 most_lost=2 most_waits=3; " +
+                       more + "; go_on call render DIR"});
   INFO(result.messages);
   return {result.exit_code, bash("cut -d' ' -f3 " + (paths.calls() / "call").string() + " | paste -sd' '"),
           result.output};
@@ -188,6 +190,36 @@ TEST_CASE("a task whose deadline is over goes back into the queue, and one that 
   CHECK(go_on("", "umax=echo").output == "render DIR --progress plain\n");
 }
 
+TEST_CASE("a task ends before its queue cuts it off, and one that finishes nothing in its time does not come again",
+          "[farm]") {
+  const auto deadline = [](const std::string& left, const std::string& more = "") {
+    return go_on("",
+                 "SLURM_JOB_ID=9 SLURM_ARRAY_JOB_ID=5 SLURM_ARRAY_TASK_ID=3 umax=echo; squeue() { [ $2 = --jobs=5_3 ] "
+                 "&& echo " +
+                     left + "; }; " + more + ":")
+        .output;
+  };
+  CHECK(deadline("10:00") == "render DIR --progress plain --deadline 540\n");
+  CHECK(deadline("1-01:00:30") == "render DIR --progress plain --deadline 89970\n");
+  CHECK(deadline("2:08:09") == "render DIR --progress plain --deadline 7629\n");
+  CHECK(deadline("1:30") == "render DIR --progress plain --deadline 45\n");
+  CHECK(deadline("0:00") == "render DIR --progress plain --deadline 1\n");
+  CHECK(deadline("10:00", "deadline_seconds=50; ") == "render DIR --progress plain --deadline 50\n");
+  CHECK(deadline("10:00", "deadline_seconds=900; ") == "render DIR --progress plain --deadline 540\n");
+  for (const char* unlimited : {"UNLIMITED", "NOT_SET", "INVALID", "''"})
+    CHECK(deadline(unlimited) == "render DIR --progress plain\n");
+  CHECK(deadline("10:00", "unset -f task_seconds_left; ") == "render DIR --progress plain\n");  // of another queue
+
+  const std::string cut =
+      "SLURM_JOB_ID=5; squeue() { echo 1:00; }; requeue_task() { note_call call requeued; squeue() { "
+      "echo 9:00; }; }; umax() { SECONDS=$((SECONDS + 30)); \"$fake\" \"$@\"; }; fake=$umax umax=umax";
+  CHECK(go_on("75 0", cut).calls == "begins 75 requeued begins 0\n");
+  const Attempts idle = go_on("75 0", cut + "; frames_finished() { echo 7; }");
+  CHECK(idle.calls == "begins 75\n");
+  CHECK(idle.code == 75);
+  CHECK(contains(idle.output, "nothing was finished in the time"));
+}
+
 TEST_CASE("a dry run prints scripts and commands, and leaves no folder", "[farm]") {
   const TemporaryFolder folder;
   const std::string scene = write_scene(folder, block_scene()).string(), out = (folder / "of two words").string();
@@ -198,6 +230,8 @@ TEST_CASE("a dry run prints scripts and commands, and leaves no folder", "[farm]
                                  "/farm/render.sh' '1' 'task'\n"));
   CHECK(contains(one.output, "encode: sbatch --parsable --array=1-1 --dependency=afterok:render '"));
   CHECK(contains(one.output, "#SBATCH --kill-on-invalid-dep=yes"));
+  CHECK(contains(one.output, "spare_seconds=60"));
+  CHECK(contains(one.output, "squeue --noheader --jobs=\"$(own_task)\" --format=%L"));
   const ProcessResult two = umax_program(
       {"farm", scene, "-o", out, "--frames-per-job", "6", "--vary", "body.block.limit.stretch=5%,10%", "--dry-run"});
   CHECK(contains(two.output, "render-2: sbatch --parsable --array=1-2 --dependency=aftercorr:simulate '"));

@@ -36,6 +36,10 @@ task_processors() {
   nproc
 }
 
+task_seconds_left() {
+  :
+}
+
 # There is nobody to whom it could leave the machine: it goes on at once, as if it began again.
 requeue_task() {
   SECONDS=0

@@ -50,9 +50,24 @@ task_processors() {
   echo "${SLURM_CPUS_ON_NODE:-$(nproc)}"
 }
 
+# The task that calls this, as the queue's programs name it: the number of an array's last task is that of the whole array.
+own_task() {
+  echo "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"
+}
+
+# How long [s] the queue lets the task which calls this go on before it cuts it off; nothing where there is no limit, or it
+# does not say.
+task_seconds_left() {
+  local left
+  [ -n "${SLURM_JOB_ID:-}" ] || return 0
+  left=$(squeue --noheader --jobs="$(own_task)" --format=%L) || return 0
+  [[ $left =~ ^(([0-9]+)-)?(([0-9]+):)?([0-9]+):([0-9]+)$ ]] || return 0
+  echo $((10#${BASH_REMATCH[2]:-0} * 86400 + 10#${BASH_REMATCH[4]:-0} * 3600 + 10#${BASH_REMATCH[5]} * 60 + 10#${BASH_REMATCH[6]}))
+}
+
 # Puts the task that calls this back into the queue, which ends it: it begins again, and goes on, when it gets a machine.
 requeue_task() {
-  scontrol requeue "$SLURM_JOB_ID" && sleep 600
+  scontrol requeue "$(own_task)" && sleep 600
 }
 
 # One line for each task of ours that has not ended: the array's number, and in a word what it does.
