@@ -105,7 +105,9 @@ TEST_CASE("a folder that is there is refused, and with --overwrite saved session
     CHECK(recording.new_name() == "session-02");
   }
   CHECK(failure_of([&] { check_live_folder(folder / "live", ExistingFolder::refuse); }).code == 73);
+  make_file(folder / "live/.session-02.toml.part-123", "half");  // as after a kill
   const Recording again(folder / "live", ExistingFolder::overwrite, 100);
+  CHECK_FALSE(fs::exists(folder / "live/.session-02.toml.part-123"));
   CHECK(again.first_frame() == 0);
   CHECK(fs::is_empty(folder / "live/states"));
   CHECK(fs::exists(folder / "live/session-01.toml"));

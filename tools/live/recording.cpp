@@ -106,7 +106,7 @@ Recording::Recording(const fs::path& path, ExistingFolder existing, int keep)
   for (const fs::directory_entry& entry : fs::directory_iterator(this->path() / "states"))
     if (entry.path().extension() == ".state") old.push_back(entry.path());
   for (const fs::path& file : old) fs::remove(file);
-  remove_leftovers(this->path() / "states");
+  for (const fs::path& place : {this->path(), this->path() / "states"}) remove_leftovers(place);
 }
 
 fs::path Recording::file_of(int frame) const {
