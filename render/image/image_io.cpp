@@ -8,6 +8,7 @@
 #include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "render/image/image_codecs.h"
+#include "render/image/srgb_code.h"
 
 namespace umax {
 namespace {
@@ -72,9 +73,10 @@ void write_png(const std::filesystem::path& path, const Image8& image, PngEffort
 
 void write_png(const std::filesystem::path& path, const Image& linear) {
   Image8 image(linear.width, linear.height, linear.channels);
+  const SrgbCodes codes;
   for (std::size_t i = 0; i < linear.values.size(); ++i) {
     const bool is_alpha = linear.channels == 4 && i % 4 == 3;
-    image.values[i] = byte_from_unit(is_alpha ? linear.values[i] : srgb_from_linear(linear.values[i]));
+    image.values[i] = is_alpha ? byte_from_unit(linear.values[i]) : codes(linear.values[i]);
   }
   write_png(path, image);
 }

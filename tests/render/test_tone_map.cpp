@@ -1,8 +1,12 @@
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cmath>
+#include <random>
 
 #include "core/base/srgb.h"
+#include "core/base/types.h"
+#include "render/image/srgb_code.h"
 #include "render/image/tone_map.h"
 #include "tests/support/catch.h"
 
@@ -22,7 +26,69 @@ int spread(const Image8& image) {
          std::min({image.values[0], image.values[1], image.values[2]});
 }
 
+/// What the head of tone_map.h says, by the C library's powers, of light that is a number.
+std::array<int, 3> shown_by_formula(const Vector3f& light, const ToneMapOptions& options) {
+  constexpr float mixing = 0.10f, d = 0.985f, mid_in = 0.18f, mid_out = 0.19f;
+  const float a = options.contrast, mid_a = std::pow(mid_in, a), mid_ad = std::pow(mid_in, a * d);
+  const float white_a = std::pow(options.white, a), white_ad = std::pow(options.white, a * d);
+  const float b = (white_a - mid_a / mid_out) / (white_ad - mid_ad), c = white_a - white_ad * b;
+  const Vector3f in = light.cwiseMax(0.0f), mixed = in + mixing * (Vector3f::Constant(in.mean()) - in);
+  const Vector3f shaped = mixed.unaryExpr([&](float x) {
+    if (x <= 0) return 0.0f;
+    return x >= options.white ? 1.0f : std::pow(x, a) / (std::pow(x, a * d) * b + c);
+  });
+  const float grey = luminance(shaped[0], shaped[1], shaped[2]);
+  const float gain = options.saturation / (1 - mixing * (1 - grey));
+  const Vector3f shown = Vector3f::Constant(grey) + gain * (shaped - Vector3f::Constant(grey));
+  std::array<int, 3> codes{};
+  for (int k = 0; k < 3; ++k) codes[std::size_t(k)] = byte_from_unit(srgb_from_linear(shown[k]));
+  return codes;
+}
+
+/// Light from 2^-16 to 2^6, as often in every doubling, and some of it black.
+Image random_light(int width, int height) {
+  Image image(width, height, 3);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> stops(-16, 6);
+  for (float& value : image.values) value = random() % 64 == 0 ? 0.0f : std::exp2(stops(random));
+  return image;
+}
+
+int num_other_than_by_formula(const Image& light, const ToneMapOptions& options) {
+  const Image8 shown = tone_map(light, options);
+  int num_others = 0;
+  for (int y = 0; y < light.height; ++y)
+    for (int x = 0; x < light.width; ++x) {
+      const float* in = light.pixel(x, y);
+      const std::array<int, 3> expected = shown_by_formula({in[0], in[1], in[2]}, options);
+      for (int c = 0; c < 3; ++c) num_others += shown.pixel(x, y)[c] != expected[std::size_t(c)];
+    }
+  return num_others;
+}
+
 }  // namespace
+
+TEST_CASE("every code of a picture is the one that the formula gives, however its powers are taken") {
+  const Image light = random_light(517, 401);
+  CHECK(num_other_than_by_formula(light, {}) == 0);
+  CHECK(num_other_than_by_formula(light, {.contrast = 2, .white = 64, .saturation = 1.4f}) == 0);
+  CHECK(num_other_than_by_formula(light, {.contrast = 3, .white = 100}) == 0);
+}
+
+TEST_CASE("a table gives the codes of the sRGB curve, on both sides of where each begins") {
+  const SrgbCodes codes;
+  const auto code = [](float linear) { return int(byte_from_unit(srgb_from_linear(linear))); };
+  int num_others = 0;
+  for (int k = 0; k < 255; ++k) {
+    float value = linear_from_srgb((float(k) + 0.5f) / 255);
+    for (int i = 0; i < 200; ++i) value = std::nextafter(value, 0.0f);
+    for (int i = 0; i < 400; ++i, value = std::nextafter(value, 1.0f)) num_others += codes(value) != code(value);
+  }
+  for (int i = -100; i < 20000; ++i) num_others += codes(float(i) / 16384) != code(float(i) / 16384);
+  CHECK(num_others == 0);
+  CHECK(codes(std::nanf("")) == 0);
+  CHECK(codes(INFINITY) == 255);
+}
 
 TEST_CASE("the filmic curve rises from black to white and keeps greys grey") {
   Image ramp(2048, 1, 3);
