@@ -34,6 +34,12 @@ fs::path find_helper(const fs::path& mesh) {
                .remedy = "put it beside umax, or name it in the environment's UMAX_IMPORT"});
 }
 
+/// Records of triangles with positions are longer than the file by a third; more than this is not made room for.
+long long likely_record_bytes(long long file_bytes) {
+  constexpr long long most = 512 * mebibyte;
+  return std::min(file_bytes + file_bytes / 2, most);
+}
+
 /// Bytes of the file, and of those beside it that a glTF keeps its numbers in.
 long long size_with_buffers(const fs::path& path) {
   std::error_code error;
@@ -97,7 +103,7 @@ ImportLimits import_limits(const fs::path& path) {
 MeshFile read_foreign(const fs::path& path, const std::string& ending, const ImportLimits& limits) {
   ImportProcess process({find_helper(path).string(), std::to_string(mesh_record_version), std::to_string(limits.memory),
                          std::to_string(limits.seconds), ending, path.string()},
-                        5 * limits.seconds);
+                        5 * limits.seconds, likely_record_bytes(size_with_buffers(path)));
   if (auto file = read_mesh_record(process.output(), path.string())) return std::move(*file);
   refuse_end(path, process.end(), limits);
 }

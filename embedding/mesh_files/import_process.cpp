@@ -40,11 +40,31 @@ struct Descriptor {
   throw Error(fault, {program, std::string(what) + " (" + std::strerror(error) + ")", "", "install it beside umax"});
 }
 
+/// Ours, and that its heap is of large pages where the system has them: half of what a million triangles cost it are
+/// small ones that are touched for the first time. The C library reads this, and only as a program starts.
+std::vector<std::string> environment_of_helper() {
+  constexpr std::string_view tuning = "GLIBC_TUNABLES=";
+  std::vector<std::string> values;
+  bool tuned = false;
+  for (char** value = environ; *value; ++value) {
+    values.emplace_back(*value);
+    tuned |= values.back().starts_with(tuning);
+  }
+  if (!tuned) values.push_back(std::string(tuning) + "glibc.malloc.hugetlb=1");
+  return values;
+}
+
+std::vector<char*> pointers_to(const std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(const_cast<char*>(text.c_str()));
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
 /// Its messages go to a pipe that nobody reads for its words: its end tells when the program is gone.
 pid_t start(const std::vector<std::string>& command, int output, int messages) {
-  std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
-  arguments.push_back(nullptr);
+  const std::vector<std::string> environment = environment_of_helper();
+  const std::vector<char*> arguments = pointers_to(command), variables = pointers_to(environment);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
@@ -59,7 +79,7 @@ pid_t start(const std::vector<std::string>& command, int output, int messages) {
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int error = ::posix_spawn(&child, arguments[0], &files, &attributes, arguments.data(), environ);
+  const int error = ::posix_spawn(&child, arguments[0], &files, &attributes, arguments.data(), variables.data());
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0) fail(Fault::unavailable, command.front(), "cannot be started", error);
@@ -94,7 +114,7 @@ void kill_and_wait(pid_t child) {
 
 }  // namespace
 
-ImportProcess::ImportProcess(const std::vector<std::string>& command, long long seconds)
+ImportProcess::ImportProcess(const std::vector<std::string>& command, long long seconds, long long likely_bytes)
     : deadline_(Clock::now() + std::chrono::seconds(seconds)) {
   const Descriptor output(::memfd_create("umax-import", MFD_CLOEXEC));
   int ends[2];
@@ -104,6 +124,8 @@ ImportProcess::ImportProcess(const std::vector<std::string>& command, long long 
   Descriptor messages(ends[1]);
   child_ = start(command, output.number, messages.number);
   messages.close();
+  // pages that it need not wait for when it writes; where there are none it gets them one by one, or not
+  if (likely_bytes > 0) ::fallocate(output.number, FALLOC_FL_KEEP_SIZE, 0, likely_bytes);
   if (!wait_for_close(words.number, deadline_)) return;
 
   struct stat status{};

@@ -16,9 +16,10 @@ struct ImportEnd {
 
 class ImportProcess {
  public:
-  /// Starts the command and waits until it closes its standard error, or for so many seconds by the clock. Throws Error
-  /// (unavailable, io_error) where it cannot be started.
-  ImportProcess(const std::vector<std::string>& command, long long seconds);
+  /// Starts the command and waits until it closes its standard error, or for so many seconds by the clock. Meanwhile
+  /// makes room for as many bytes of output as are likely. Throws Error (unavailable, io_error) where it cannot be
+  /// started.
+  ImportProcess(const std::vector<std::string>& command, long long seconds, long long likely_bytes);
   /// Ends it, with all that it started, if it still runs.
   ~ImportProcess();
   ImportProcess(const ImportProcess&) = delete;

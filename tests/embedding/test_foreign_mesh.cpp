@@ -194,6 +194,11 @@ TEST_CASE("each way in which the helper can end is told apart") {
   says("#!/bin/sh\nkill -XCPU $$\n", limits, 65, "cannot be read within 20 s");
   says("#!/bin/sh\nsleep 100\n", {.memory = 400ll << 20, .seconds = 0}, 65, "cannot be read within 0 s");
   says("#!/bin/sh\nexit 64\n", limits, 69, "another version");
+  const std::string tell_tuning =
+      "#!/bin/sh\ncase \"$GLIBC_TUNABLES\" in glibc.malloc.hugetlb=1) exit 91;; ours) exit 92;; esac\n";
+  says(tell_tuning, limits, 65, "exit code 91");
+  const Variable tuned("GLIBC_TUNABLES", "ours");
+  says(tell_tuning, limits, 65, "exit code 92");
   const auto helper = output_folder() / "helper";
   std::filesystem::remove(helper);
   std::filesystem::permissions(write_file("helper", "no program"), std::filesystem::perms::owner_all);
