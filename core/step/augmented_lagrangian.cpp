@@ -18,6 +18,8 @@ constexpr double sufficient_decrease = 1e-4;  // of what the slope promises
 constexpr double clear_violation = 0.01;      // of a limit, or of a penetration ten tolerances deep
 constexpr double falling = 0.95;              // by which share an update must reduce the violation
 constexpr int stalled_updates = 4;            // that did not
+constexpr double torn = 1;                    // [-] beyond a limit after a minimisation: no multiplier brings that back
+constexpr int max_torn_iterations = 60;       // factorisations of a step in which pins tear
 constexpr double inner_accuracy = 1e-4;       // of the linear solver, where it is not direct
 constexpr double inner_tolerance = 0.1;       // of the solver's, on the gradient
 
@@ -135,26 +137,65 @@ bool is_stalled(const Quality& quality, bool settled, Stall& stall) {
   return violation > clear_violation && ++stall.updates > stalled_updates;
 }
 
+void begin(const StepProblem& problem, Iterate& iterate) {
+  evaluate(problem, iterate.positions, iterate.evaluation);
+  add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
+}
+
+// multipliers, contacts and what is left, after a minimisation
+struct Update {
+  int added = 0;  // contacts
+  Quality quality;
+};
+Update update(const StepProblem& problem, Iterate& iterate, const StepReport& report) {
+  update_multipliers(problem, iterate);
+  Update update{.added = find_contacts(problem, false, iterate), .quality = assess(problem, iterate)};
+  report_iteration(problem, report.sqp_iterations, update.quality, iterate);
+  iterate.residuals.push_back(update.quality.kkt);
+  return update;
+}
+
+// updates and minimisations in turns, after the first minimisation
+Search alternate(const StepProblem& problem, Workspace::Data& workspace, bool settled, int left, Iterate& iterate,
+                 StepReport& report) {
+  Stall stall;
+  while (true) {
+    const auto [added, quality] = update(problem, iterate, report);
+    if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
+    if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;
+    if (left <= 0) return Search::unfinished;
+    const Minimisation next = minimise(problem, workspace, left, iterate, report);
+    settled = next.settled;
+    left -= next.iterations;
+  }
+}
+
 }  // namespace
 
 Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
                             StepReport& report) {
-  int left = problem.options->solver.max_augmented_iterations;
-  evaluate(problem, iterate.positions, iterate.evaluation);
-  add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
-  Stall stall;
-  while (true) {
-    const auto [settled, iterations] = minimise(problem, workspace, left, iterate, report);
-    left -= iterations;
-    update_multipliers(problem, iterate);
-    const int added = find_contacts(problem, false, iterate);
-    const Quality quality = assess(problem, iterate);
-    report_iteration(problem, report.sqp_iterations, quality, iterate);
-    iterate.residuals.push_back(quality.kkt);
-    if (added == 0 && is_solution(problem, quality, iterate)) return Search::solved;
-    if (is_stalled(quality, settled && added == 0, stall)) return Search::infeasible;
-    if (left <= 0) return Search::unfinished;
-  }
+  const int budget = problem.options->solver.max_augmented_iterations;
+  begin(problem, iterate);
+  const auto [settled, iterations] = minimise(problem, workspace, budget, iterate, report);
+  return alternate(problem, workspace, settled, budget - iterations, iterate, report);
+}
+
+Search search_torn(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate, StepReport& report) {
+  iterate.multipliers.setZero();
+  begin(problem, iterate);
+  int left = std::min(max_torn_iterations, problem.options->solver.max_augmented_iterations);
+  Minimisation first;
+  do {
+    first = minimise(problem, workspace, left, iterate, report);
+    left -= first.iterations;
+  } while (!first.settled && left > 0);
+  Iterate minimum = iterate;
+  const double ratio = update(problem, minimum, report).quality.max_ratio;
+  if (ratio <= 1 + torn && left > 0 &&
+      alternate(problem, workspace, first.settled, left, iterate, report) == Search::solved)
+    return Search::solved;
+  iterate = std::move(minimum);
+  return Search::infeasible;
 }
 
 }  // namespace umax

@@ -22,4 +22,9 @@ enum class Search {
 Search augmented_lagrangian(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate,
                             StepReport& report);
 
+/// The same where pins have torn a body in the step before: from no multipliers, and where limits are passed clearly once L
+/// has been minimised, or in the end, `infeasible` with that minimum, which is what penalties of one size make of what pins
+/// and limits want. The potential is the same one in each such step, so that energy falls while pins stand still.
+Search search_torn(const StepProblem& problem, Workspace::Data& workspace, Iterate& iterate, StepReport& report);
+
 }  // namespace umax

@@ -156,6 +156,16 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
   }
 }
 
+// Do pins tear a body at the positions, as far as can be told? Hard limits are passed clearly.
+bool is_torn(const StepProblem& problem, const State& state, const Points& positions) {
+  constexpr double clearly = 0.01;  // [-] of a limit
+  if (!state.been_feasible || (problem.pins.nodes.empty() && problem.pins.springs.empty())) return false;
+  const VectorXd ratios = limit_ratios(*problem.model, problem.options->solver, problem.materials, positions);
+  for (Eigen::Index l = 0; l < ratios.size(); ++l)
+    if (problem.model->limits[l].kind == LimitKind::hard && ratios[l] > 1 + clearly) return true;
+  return false;
+}
+
 // The SQP; where it fails the safety net; where even that ends beyond the limits, as it may from a crumpled start that
 // has a knot for a local minimum, the safety net from the undeformed bodies. The iterate is the best that was found.
 StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data& workspace, const State& state,
@@ -164,6 +174,9 @@ StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data
   approach(problem, iterate);
   const BackEnd& back_end = problem.plan.is_multigrid() ? multigrid : direct;
   back_end.prepare(problem, iterate, workspace);
+  if (is_torn(problem, state, problem.positions_t0))
+    return search_torn(problem, workspace, iterate, report) == Search::solved ? StepStatus::converged
+                                                                              : StepStatus::infeasible;
   if (sequential_quadratic(problem, back_end, workspace, iterate, report)) return StepStatus::converged;
   // The safety net has no steps against contacts that turn as bodies move around each other: two halves are cheaper.
   if (may_be_halved && (back_end.halves_first || bodies_touch(iterate))) return StepStatus::iteration_limit;
@@ -180,7 +193,9 @@ StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data
       return StepStatus::converged;
     }
   }
-  return search == Search::infeasible ? StepStatus::infeasible : StepStatus::iteration_limit;
+  // halves of a step that pins tear are torn as well
+  const bool infeasible = search == Search::infeasible || is_torn(problem, state, iterate.positions);
+  return infeasible ? StepStatus::infeasible : StepStatus::iteration_limit;
 }
 
 }  // namespace

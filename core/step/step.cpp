@@ -248,8 +248,29 @@ StepReport advance_islands(const Model& model, const StepOptions& options, Works
   return advance_whole(model, options, data, state);
 }
 
+// the hexes that are beyond their hard limits at the state, ascending
+std::vector<int> hexes_beyond_limits(const Model& model, const SolverOptions& solver, const State& state) {
+  const VectorXd ratios = limit_ratios(model, solver, materials_at(model, state.time), state.positions);
+  std::vector<int> hexes;
+  for (Eigen::Index l = 0; l < ratios.size(); ++l) {
+    const int hex = model.limits[l].hex;
+    if (model.limits[l].kind == LimitKind::hard && ratios[l] > 1 + solver.tolerance &&
+        (hexes.empty() || hexes.back() != hex))
+      hexes.push_back(hex);
+  }
+  return hexes;
+}
+
+std::vector<int> joined(const std::vector<int>& first, const std::vector<int>& second) {
+  std::vector<int> both;
+  std::set_union(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(both));
+  return both;
+}
+
 // A step of the model that pins drive. Where a limit keeps a point from where a pin has it, the limits of its hex and of those
-// around are put aside and the step is made again, and so on, as long as that helps: what a contact keeps away stays.
+// around are put aside and the step is made again, and so on, as long as that helps: what a contact keeps away stays. Where
+// limits could not be held, all that were passed are put aside: the body gives way evenly, not in a few hexes that are torn
+// inside out.
 StepReport advance_pinned(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
   const double end = state.time + options.time_step;
   const Model& pinned = pinned_model(model, end, data);
@@ -267,9 +288,9 @@ StepReport advance_pinned(const Model& model, const StepOptions& options, Worksp
     now.report = advance_islands(pinned, options, data, now.end);
     const MissedPins missed = missed_pins(pinned, options, now.end.positions, end);
     now.farthest = missed.farthest;
-    std::vector<int> more;
-    std::set_union(beaten.begin(), beaten.end(), missed.hexes.begin(), missed.hexes.end(), std::back_inserter(more));
-    more = with_neighbours(model, more);
+    std::vector<int> more = with_neighbours(model, joined(beaten, missed.hexes));
+    if (now.report.status == StepStatus::infeasible)
+      more = joined(more, hexes_beyond_limits(pinned, options.solver, now.end));
     const bool helps = now.farthest < 0.5 * best.farthest;
     if (helps) std::swap(best, now);
     if (missed.hexes.empty() || !helps || more == beaten) break;
@@ -294,6 +315,8 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   require_solvable(plan_linear_solvers(model, options.solver), options.solver);
   require_forces(model, options.forces);
   State next = state;
+  if (!next.been_feasible && model.num_hexes() > 0)  // a first step may be torn already
+    next.been_feasible = energy_ratios(model, options.solver, state).maxCoeff() <= 1 + options.solver.tolerance;
   StepReport report = advance_pinned(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;
   ++next.step;
