@@ -82,6 +82,31 @@ TEST_CASE("columns are known by their usual spellings, and how each was read is 
   check("shear_strain,shear_stress_kPa", 0.2, 2e3, "in kPa");
 }
 
+TEST_CASE("semicolons and tabs separate columns, numbers may have decimal commas, and a second line units") {
+  const auto check = [&](const std::string& text, const std::string& part) {
+    const Measurements data = parsed(text, {.length = 1, .area = 1});
+    CAPTURE(text, data.reading);
+    REQUIRE(data.points.size() == 5);
+    CHECK(data.points[1].stretch == Approx(0.2));
+    CHECK(data.points[1].stress == Approx(2e3));
+    CHECK(data.warnings.empty());
+    CHECK(contains(data.reading, part));
+    CHECK(contains(data.reading, ";") == !part.empty());
+  };
+  check("strain,stress [kPa]\n.1,1\n.2,2\n.3,3\n.05,.5\n.15,1.5\n", "");
+  check("strain;stress [kPa]\n0.1;1\n0.2;2\n0.3;3\n0.05;0.5\n0.15;1.5\n", "; separated by semicolons");
+  check("# tab\tcomma,comma,\nstrain\tstress [kPa]\n0.1\t1\n0.2\t2\n0.3\t3\n0.05\t0.5\n0.15\t1.5\n",
+        "; separated by tabs");
+  check("\"strain\";\"stress (kPa)\"\r\n0,1;1\r\n0,2;2,0\r\n0,3;3\r\n0,05;0,5\r\n1,5e-1;1,5\r\n",
+        "; separated by semicolons, commas in numbers taken for decimal points");
+  check("Displacement;Force\n(mm);(kN)\n100;1\n200;2\n300;3\n50;0,5\n150;1,5\n",
+        "\"Displacement [mm]\" as change of length in mm, \"Force [kN]\" as force in kN; separated by semicolons, "
+        "commas in "
+        "numbers taken for decimal points, units from line 2");
+  check("extension,load\nmm,kN\n100,1\n200,2\n300,3\n50,0.5\n150,1.5\n", "; units from line 2");
+  check("strain,stress [kPa],\n-,kPa,\n0.1,1,\n0.2,2,\n0.3,3,,\n0.05,0.5,\n0.15,1.5,\n", "; units from line 2");
+}
+
 TEST_CASE("a column called stretch is length over length where its numbers are 1 at rest") {
   const std::string ratios = "1.1,10\n1.2,20\n1.3,30\n1.05,5\n1.15,15\n";
   const Measurements rising = parsed("stretch,stress_kPa\n" + ratios);
@@ -129,7 +154,8 @@ TEST_CASE("bad measurements are refused with line, column, value and remedy") {
       {header + "1,10\n1,5,10\n" + good_rows, {"data.csv:3", "not commas"}},
       {header + "1,10\n\"2,20\n" + good_rows, {"data.csv:3", "never ends"}},
       {header + "1,10\n-130,20\n" + good_rows, {"data.csv:3", "-130 %", "stretch ratio"}},
-      {"stretch [%];force [N]\n1;10\n", {"data.csv:1", "commas"}},
+      {"stretch [%];force [N]\n1;10\n2\n", {"data.csv:3", "needs 2 fields"}},
+      {"stretch [%],force\nmm,N\n" + good_rows, {"data.csv:2", "another unit than the title", "mm below"}},
       {"stretch [%]\n1\n2\n", {"data.csv:1", "lacks a column of force"}},
       {"force [N],colour\n1,2\n", {"lacks a column of stretch", "colour"}},
       {"stretch [%],force [mm]\n" + good_rows, {"data.csv:1", "wrong kind of unit", "mm", "kN"}},

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstring>
 #include <map>
 #include <set>
 #include <utility>
@@ -182,7 +184,40 @@ std::string describe(const MeasuredColumn& column, bool shear) {
                                           : "");
 }
 
+/// A unit as a field of its own.
+std::string unit_in(std::string field) {
+  std::erase_if(field, [](char c) { return c == ' ' || c == '[' || c == ']' || c == '(' || c == ')'; });
+  return known_unit(field);
+}
+
+bool holds_units(const CsvRow& row) {
+  const auto begins_number = [](const std::string& field) {
+    return !field.empty() && (std::isdigit(static_cast<unsigned char>(field[0])) || std::strchr("+.,", field[0]) ||
+                              (field[0] == '-' && field.size() > 1));
+  };
+  return std::none_of(row.fields.begin(), row.fields.end(), begins_number) &&
+         std::any_of(row.fields.begin(), row.fields.end(),
+                     [](const std::string& field) { return measures_something(unit_in(field)); });
+}
+
 }  // namespace
+
+int take_units(CsvTable& table, const std::string& name) {
+  if (table.rows.empty() || !holds_units(table.rows.front())) return 0;
+  const CsvRow row = std::move(table.rows.front());
+  table.rows.erase(table.rows.begin());
+  for (std::size_t i = 0; i < row.fields.size(); ++i) {
+    const std::string unit = unit_in(row.fields[i]);
+    std::string& title = table.header.fields[i];
+    const std::string own = split_title(title).unit;
+    if (own.empty() && !unit.empty())
+      title += " [" + unit + "]";
+    else if (!unit.empty() && own != unit)
+      fail(fmt::format("{}:{}", name, row.line), "has another unit than the title above it",
+           row.fields[i] + " below " + title, "leave one of them");
+  }
+  return row.line;
+}
 
 MeasuredColumns find_columns(const CsvRow& header, const std::string& name, std::vector<std::string>& warnings) {
   std::array<std::vector<MeasuredColumn>, 3> found;

@@ -26,6 +26,10 @@ struct MeasuredColumns {
   std::optional<MeasuredColumn> lateral;
 };
 
+/// Where the first row holds units instead of numbers ("mm", "[N]"), each goes into the title above it that has none, and
+/// the row goes. Its line; 0: there is none. Throws Error (bad_data) naming the line where title and row say different ones.
+int take_units(CsvTable& table, const std::string& name);
+
 /// Units stand in brackets, behind a slash, or as the last word: "Force [N]", "stress / MPa", "stress_MPa". Other
 /// columns are warned of. Throws Error (bad_data) naming the file's line: no column of deformation or load, two of one
 /// kind, a unit that is missing or does not fit.

@@ -148,10 +148,21 @@ std::string lines_text(const std::vector<int>& lines) {
                      lines.size() == 1 ? "" : "s", text, lines.size() > most ? ", …" : "");
 }
 
+/// How the table was read, where that is not as usual: "; separated by semicolons, decimal commas, units from line 2".
+std::string layout_text(const CsvTable& table, bool decimal_commas, int units_line) {
+  std::string text;
+  if (table.separator != ',') text += table.separator == ';' ? "; separated by semicolons" : "; separated by tabs";
+  if (decimal_commas) text += ", commas in numbers taken for decimal points";
+  if (units_line > 0) text += fmt::format("{} units from line {}", text.empty() ? ";" : ",", units_line);
+  return text;
+}
+
 }  // namespace
 
 Measurements parse_measurements(std::string_view text, const std::string& name, const MeasurementOptions& options) {
-  const CsvTable table = parse_csv(text, name);
+  CsvTable table = parse_csv(text, name);
+  const int units_line = take_units(table, name);
+  const bool decimal_commas = take_decimal_commas(table);
   Measurements measurements{
       .name = name, .test = options.test, .points = {}, .has_lateral = false, .reading = {}, .warnings = {}};
   MeasuredColumns columns = find_columns(table.header, name, measurements.warnings);
@@ -186,7 +197,8 @@ Measurements parse_measurements(std::string_view text, const std::string& name, 
     columns.deformation.quantity = Quantity::stretch_ratio;
     for (MeasuredPoint& point : measurements.points) point.stretch -= 1;
   }
-  measurements.reading = describe(columns, options.test == TestKind::shear);
+  measurements.reading =
+      describe(columns, options.test == TestKind::shear) + layout_text(table, decimal_commas, units_line);
   orient(measurements, certain_ratio || taken_for_ratio);
   check_rows(measurements, columns);
   check_origin(measurements, columns);
