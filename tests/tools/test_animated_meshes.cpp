@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <map>
 
 #include "core/files/read_file.h"
 #include "core/model/deformation.h"
@@ -66,6 +67,18 @@ struct Animation {
     mdd.finish();
     fs::copy_file(sequence_file(folder / "frames", 1, "obj"), folder / "lift.obj",
                   fs::copy_options::overwrite_existing);
+  }
+  /// A frame of the folder again, its faces with other corners.
+  void write_frame(int frame, const std::map<int, int>& corners) const {
+    MovingSurface surface;
+    surface.name = "lift";
+    surface.rest = box_at(1);
+    surface.triangles = box_triangles();
+    for (int& corner : surface.triangles.reshaped()) corner = corners.at(corner);
+    SurfaceFrame at;
+    at.frame = frame;
+    at.positions = box_at(frame);
+    MeshSequenceWriter(folder / "frames", MeshFileKind::obj, surface).append(at);
   }
   fs::path scene(const std::string& cache, const std::string& more = {}) const {
     const fs::path path = folder / "lift.toml";
@@ -230,6 +243,11 @@ TEST_CASE("an animation that cannot be played ends a run before its folder is ma
   CHECK(contains(complaint("frames"), "frame 4 is missing"));
   make_file(sequence_file(animation.folder / "frames", 4, "obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   CHECK(contains(complaint("frames"), "has 3 vertices, but the mesh has 8"));
+  // as many vertices in another order
+  animation.write_frame(4, {{0, 1}, {1, 0}, {2, 2}, {3, 4}, {4, 6}, {5, 7}, {6, 5}, {7, 3}});
+  const std::string other = complaint("frames");
+  CHECK(contains(other, "0004.obj: has as many vertices as the mesh, but other faces"));
+  CHECK(contains(other, "give the mesh that was animated"));
 }
 
 TEST_CASE("what a user should know of an animation is said") {
@@ -243,6 +261,10 @@ TEST_CASE("what a user should know of an animation is said") {
   CHECK(warnings("lift.pc2").empty());
   CHECK(contains(warnings("lift.pc2", "cache_speed = 60\n"), "cells in a step"));
   CHECK(contains(warnings("lift.pc2", "cache_start = 5\n"), "it does not move"));
+  // corners 0 and 3 in the place of 1 and 2: the mirrored box, whose faces are cut along their other diagonals
+  CHECK(warnings("frames").empty());
+  animation.write_frame(3, {{0, 1}, {1, 0}, {2, 3}, {3, 2}, {4, 5}, {5, 4}, {6, 7}, {7, 6}});
+  CHECK(contains(warnings("frames"), "0003.obj has 78 % of its edges in common with the mesh"));
   // without its top it is a sheet
   std::string obj = read_file(animation.folder / "lift.obj");
   obj.resize(obj.rfind("\nf "));

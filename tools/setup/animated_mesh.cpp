@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -21,8 +23,55 @@ namespace {
 constexpr double largest_cap = 0.02;           // [-] of the surface's area: holes with which a mesh counts as closed
 constexpr double share_of_thickness = 0.01;    // [-] of an open mesh's largest extent
 constexpr int edge_points_along_extent = 100;  // on sharp edges
+constexpr double same_mesh = 0.5;  // [-] of the edges, at least: programs cut polygons into triangles in their own ways
 
-PointSamples read_folder(const std::filesystem::path& folder, Eigen::Index num_vertices) {
+using Edges = std::vector<std::array<int, 2>>;
+
+// each once, by ascending vertices
+Edges edges_of(const Triangles& triangles) {
+  Edges edges;
+  edges.reserve(3 * std::size_t(triangles.rows()));
+  for (const auto& corners : triangles.rowwise())
+    for (int k = 0; k < 3; ++k) {
+      const int from = corners[k], to = corners[(k + 1) % 3];
+      edges.push_back({std::min(from, to), std::max(from, to)});
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+// [-] of the edges of either, those that both have
+double shared_edges(const Triangles& first, const Triangles& second) {
+  const Edges a = edges_of(first), b = edges_of(second);
+  Edges both;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  const std::size_t most = std::max(a.size(), b.size());
+  return most == 0 ? 1 : double(both.size()) / double(most);
+}
+
+// Vertices in another order are as many: their faces tell.
+void compare_faces(const std::filesystem::path& path, const Triangles& mesh, const Triangles& of_file,
+                   std::vector<std::string>& notes) {
+  if (mesh.rows() == of_file.rows() && mesh == of_file) return;
+  const double shared = shared_edges(mesh, of_file);
+  if (shared == 1) return;
+  if (shared < same_mesh)
+    throw Error(Fault::bad_data,
+                {.where = path.string(),
+                 .what = "has as many vertices as the mesh, but other faces",
+                 .value = fmt::format("{:.0f} % of the edges in common", 100 * shared),
+                 .remedy = "give the mesh that was animated, with the same vertices in the same order"});
+  notes.push_back(
+      fmt::format("{} has {:.0f} % of its edges in common with the mesh; polygons that are cut otherwise do no "
+                  "harm, but vertices in another order would move the wrong ones",
+                  path.filename().string(), 100 * shared));
+}
+
+PointSamples read_folder(const std::filesystem::path& folder, const FileVertices& vertices,
+                         std::vector<std::string>& notes) {
+  const Eigen::Index num_vertices = vertices.count;
+  const std::size_t notes_before = notes.size();
   PointSamples samples{.times = {}, .are_frames = true, .num_vertices = num_vertices, .positions = {}};
   for (const SequenceFile& file : find_sequence(folder)) {
     const TriangleMesh mesh = load_mesh(file.path).mesh;
@@ -31,6 +80,8 @@ PointSamples read_folder(const std::filesystem::path& folder, Eigen::Index num_v
                   {.where = file.path.string(),
                    .what = fmt::format("has {} vertices, but the mesh has {}", mesh.num_vertices(), num_vertices),
                    .remedy = "give the mesh that was animated, with the same vertices in the same order"});
+    std::vector<std::string> further;  // one note is enough
+    compare_faces(file.path, vertices.triangles, mesh.triangles, notes.size() == notes_before ? notes : further);
     samples.times.push_back(file.frame);
     for (const double value : mesh.positions.reshaped<Eigen::RowMajor>()) samples.positions.push_back(float(value));
   }
@@ -122,7 +173,7 @@ Hull hull_of(const TriangleMesh& mesh) {
 MeshMotion read_motion(const CacheSource& cache, const FileVertices& vertices, const Eigen::Affine3d& placed_from_own,
                        const ClipDescription& clip, std::vector<std::string>& notes) {
   PointSamples samples = std::filesystem::is_directory(cache.path)
-                             ? read_folder(cache.path, vertices.count)
+                             ? read_folder(cache.path, vertices, notes)
                              : read_point_cache(cache.path, vertices.num_in_file, vertices.count);
   if (samples.num_vertices != vertices.count) take_vertices(vertices, samples);
   MeshMotion motion{.times = seconds_of(cache, samples, clip, notes),

@@ -12,16 +12,18 @@
 
 namespace umax {
 
-/// A mesh's vertices among those of its file, some of which no triangle may have.
+/// A mesh's vertices among those of its file, some of which no triangle may have, and its triangles.
 struct FileVertices {
   Eigen::Index count = 0;            // #V of the mesh
   std::vector<int> places = {};      // #V in the file's order; empty: all as there
   Eigen::Index num_in_file = count;  // with those that no triangle has
+  Triangles triangles = {};          // of the mesh; empty: not compared
 };
 
 /// Reads an animation of a mesh, whose units and axes are those of the mesh: of all of its file's vertices, or of those of
-/// triangles alone. Throws Error: not_found; bad_data where it is damaged, of other vertices, or has gaps in its times.
-/// notes: for the user.
+/// triangles alone. Throws Error: not_found; bad_data where it is damaged, of other vertices, has gaps in its times, or
+/// where meshes of a folder have not half of their edges in common with the mesh: as many vertices, but others. notes: for
+/// the user, that fewer edges than all are the same among them.
 MeshMotion read_motion(const CacheSource& cache, const FileVertices& vertices, const Eigen::Affine3d& placed_from_own,
                        const ClipDescription& clip, std::vector<std::string>& notes);
 

@@ -117,8 +117,8 @@ void set_motion(const Scene& scene, const PinDescription& description, const Pin
 
 FileVertices vertices_of(const PlacedMesh& shape) {
   const Eigen::Index count = shape.mesh.num_vertices();
-  if (!shape.own) return {count};
-  return {count, shape.own->vertex_in_file, count + shape.own->loose_vertices.rows()};
+  if (!shape.own) return {count, {}, count, shape.mesh.triangles};
+  return {count, shape.own->vertex_in_file, count + shape.own->loose_vertices.rows(), shape.mesh.triangles};
 }
 
 Pin make_pin(const Scene& scene, const PinDescription& description, const PinnedBody& body,

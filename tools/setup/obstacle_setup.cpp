@@ -66,7 +66,7 @@ void place_mesh(const ObstacleDescription& description, const ClipDescription& c
   compute_normals(mesh);
   if (description.cache.path.empty()) return take_mesh(std::move(mesh), obstacle, setup);
   const FileVertices vertices{mesh.num_vertices(), own->vertex_in_file,
-                              mesh.num_vertices() + own->loose_vertices.rows()};
+                              mesh.num_vertices() + own->loose_vertices.rows(), own->mesh.triangles};
   MeshMotion motion = read_motion(description.cache, vertices, placed.placed_from_own, clip, setup.notes);
   animate(mesh, std::move(motion), description.thickness, obstacle, setup.notes);
   setup.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));

@@ -207,7 +207,8 @@ HeldByBones hold_bones(const MeshSource& inside, const PlacedMesh& shape, const 
     position = (shape.world_from_file * Vector3d(position.transpose())).transpose();
   const Bones bones = bones_of(std::move(file.mesh));
   const Eigen::Index count = bones.mesh.num_vertices();
-  HeldByBones held{{count, std::move(file.vertex_in_file), count + file.loose_vertices.rows()}, {}};
+  HeldByBones held{{count, std::move(file.vertex_in_file), count + file.loose_vertices.rows(), bones.mesh.triangles},
+                   {}};
   std::vector<Rider> riders = inside_of(lattice, riders_on(bones, cell_of(lattice)), inside, warnings, pin.name);
   for (InnerRider& found : riders_in(bones, lattice)) {
     found.rider.corners.fill(int(count) + int(held.inner.size()));
