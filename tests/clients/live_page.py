@@ -361,6 +361,31 @@ def pause(page):
     raise AssertionError("waited in vain: a pause that lasts")
 
 
+def test_cage(page, pictures):
+    """Another cage restarts, which is said, with the values of the moment."""
+    field = "input[aria-label='body.ball.cage.cells']"
+    find = lambda: page.browser.find_element(By.CSS_SELECTOR, field)
+    before, limit = int(find().get_attribute("value")), page.run("return umaxLive.sliders[0].goal")
+    nodes = page.run("return umaxLive.bodies[0].numNodes")
+    find().send_keys(Keys.CONTROL, "a")
+    find().send_keys("many", Keys.ENTER)
+    until("a refusal", lambda: "a cage has 1 to" in page.text("toast"))
+    check("which changes nothing", int(find().get_attribute("value")) == before)
+    find().send_keys(Keys.CONTROL, "a")
+    find().send_keys("200", Keys.ENTER)
+    until("another cage", lambda: page.run("return umaxLive.hello && umaxLive.frame && umaxLive.bodies[0].numNodes") not in (None, nodes))
+    until("the word for it", lambda: "everything starts again" in page.text("toast"))
+    now = int(find().get_attribute("value"))
+    check(f"it has about as many hexes as were asked for ({now})", 150 < now < 250 and str(now) in page.text("size"))
+    check("values stay as they were", page.run("return umaxLive.sliders[0].goal") == limit)
+    until("it falls again", lambda: 0.1 < page.frame("time"))
+    until("and lies on the ground", lambda: page.frame("contacts") > 0 and page.height() > -0.01)
+    red, _, blue, _ = page.pixel(*page.middle())
+    check("the body is drawn with it", red > 1.4 * blue and red > 60)
+    page.run("document.activeElement.blur()")
+    page.picture(pictures, "live-other-cage.png")
+
+
 def test_saving(page, program, folder):
     frames = pause(page)
     page.click("save")
@@ -369,6 +394,7 @@ def test_saving(page, program, folder):
     until("the session as a run", lambda: "umax render" in page.text("toast"))
     page.click("lines")
     until("lines of the scene", lambda: "body.ball.limit.stretch = 0.35" in page.text("toast"))
+    check("the cage is among them", "body.ball.cage.cells = 200" in page.text("toast"))
     again = folder / "again"
     subprocess.run([program, "simulate", str(folder / "live/session-01.toml"), "-o", str(again), "--quiet"], check=True)
     states = sorted((again / "states").iterdir())
@@ -395,6 +421,7 @@ def main(program, pictures=None):
             test_obstacle(page, pictures)
             test_past(page)
             test_people(page, live)
+            test_cage(page, pictures)
             test_saving(page, program, folder)
             check(f"no error in the browser {page.errors()}", not page.errors())
         except BaseException:

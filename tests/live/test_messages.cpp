@@ -20,7 +20,8 @@ const std::vector<std::string> good{R"({"wish":"play"})",
                                     R"({"wish":"show","frame":12})",
                                     R"({"wish":"seen","frame":4000000})",
                                     R"({"wish":"save"})",
-                                    R"({"wish":"place","obstacle":0,"place":[1,2,3]})"};
+                                    R"({"wish":"place","obstacle":0,"place":[1,2,3]})",
+                                    R"({"wish":"cells","body":0,"cells":120})"};
 
 /// Bytes of any kind, or a good message with some of its bytes changed, doubled or cut.
 std::string random_message(std::mt19937& random) {
@@ -100,7 +101,12 @@ TEST_CASE("what is no wish is refused, a path above all") {
                            "{\"wish\":\"slower\",\"value\":0}",
                            "{\"wish\":\"slower\",\"value\":1e9}",
                            "{\"wish\":\"show\",\"frame\":true}",
-                           "{\"wish\":\"move\",\"place\":{}}"})
+                           "{\"wish\":\"move\",\"place\":{}}",
+                           "{\"wish\":\"cells\",\"body\":0}",
+                           "{\"wish\":\"cells\",\"body\":0,\"cells\":0}",
+                           "{\"wish\":\"cells\",\"body\":0,\"cells\":2.5}",
+                           "{\"wish\":\"cells\",\"body\":-1,\"cells\":20}",
+                           "{\"wish\":\"cells\",\"body\":0,\"cells\":20001}"})
     CHECK_FALSE(decode_message(text));
   CHECK_FALSE(decode_message("{\"wish\":\"play\"" + std::string(600, ' ') + "}"));
   CHECK_FALSE(decode_message(std::string(500, '[')));
@@ -129,6 +135,8 @@ TEST_CASE("the page is told of every body, obstacle and key") {
   const nlohmann::json hello = nlohmann::json::parse(hello_text(session, 100));
   CHECK(hello["bodies"].size() == 1);
   CHECK(hello["bodies"][0]["hexes"] == 8);
+  CHECK(hello["bodies"][0]["cells"] == true);
+  CHECK(hello["most_cells"] == most_live_cells);
   CHECK(hello["obstacles"][0]["plane"] == true);
   REQUIRE(hello["keys"].size() == session.keys.size());
   CHECK(hello["keys"][0]["path"] == "body.block.limit.stretch");
@@ -137,7 +145,8 @@ TEST_CASE("the page is told of every body, obstacle and key") {
 }
 
 TEST_CASE("what all see is changed by who steers alone") {
-  for (const Wish wish : {Wish::play, Wish::set, Wish::grab, Wish::restart, Wish::save, Wish::show, Wish::rewind})
+  for (const Wish wish :
+       {Wish::play, Wish::set, Wish::grab, Wish::restart, Wish::save, Wish::show, Wish::rewind, Wish::cells})
     CHECK(needs_steering(wish));
   for (const Wish wish : {Wish::seen, Wish::steer, Wish::lines}) CHECK_FALSE(needs_steering(wish));
 }

@@ -178,6 +178,31 @@ TEST_CASE("it moves when told to, a limit that is changed is said and held, and 
   CHECK(value_now(served.session, 0) == 0.3);
 }
 
+TEST_CASE("another cage is said, the page begins anew with its meshes, and moves on") {
+  Served served;
+  const std::string cookie = served.cookie();
+  RawClient client(served.port), meshes(served.port);
+  REQUIRE(client.upgrade(served.host + served.origin + cookie));
+  CHECK(contains(client.hear_text("\"hello\""), "\"hexes\":8,"));
+  const std::string before = meshes.get("/body/0", served.host + cookie);
+  client.say(R"({"wish":"play"})");
+  REQUIRE(picture(client, 10));
+  client.say(R"({"wish":"cells","body":7,"cells":27})");
+  CHECK(contains(client.hear_text("\"error\""), "not there"));
+  client.say(R"({"wish":"cells","body":0,"cells":27})");
+  const std::string hello = client.hear_text("\"hello\"");
+  CHECK_FALSE(contains(hello, "\"hexes\":8,"));
+  CHECK(contains(client.hear_text("starts again"), "block has a cage of"));
+  const auto anew = picture(client);
+  REQUIRE(anew);
+  CHECK(anew->step < 10);
+  CHECK(picture(client, 10));
+  CHECK(meshes.get("/body/0", served.host + cookie).size() > before.size());
+  served.end();
+  CHECK(served.failure.empty());
+  CHECK(served.session.simulation.model.num_hexes() > 8);
+}
+
 TEST_CASE("several watch, one steers, and another takes over") {
   Served served;
   const std::string headers = served.host + served.origin + served.cookie();

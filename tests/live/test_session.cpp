@@ -123,6 +123,43 @@ TEST_CASE("a session that is saved and simulated again has the same states to th
   CHECK(replayed(session, folder, (long long)(states.size())) == states);
 }
 
+TEST_CASE(
+    "another cage starts again with the values of the moment, and the session is simulated again to the last bit") {
+  const TemporaryFolder folder;
+  Session session(live_scene(folder));
+  std::vector<std::string> states;
+  play(session, states);
+  REQUIRE(set_cells(session, 0, 27));
+  const int hexes = session.simulation.model.bodies[0].num_hexes;
+  CHECK(hexes > 15);
+  CHECK(session.state.step == 0);
+  CHECK(session.rows.empty());
+  CHECK(session.pulls.empty());
+  CHECK(value_now(session, key_of(session, "body.block.material.young")) == 35e3);
+  CHECK(value_now(session, key_of(session, "clip.gravity")) == 3.7);
+  CHECK(contains(scene_lines(session), "body.block.cage.cells = 27\n"));
+  states.clear();
+  play(session, states);
+  CHECK(replayed(session, folder, (long long)(states.size())) == states);
+  for (const int cells : {0, -1, most_live_cells + 1}) CHECK_FALSE(set_cells(session, 0, cells));
+  CHECK_FALSE(set_cells(session, 1, 27));
+  CHECK_FALSE(set_cells(session, -1, 27));
+  session.original.bodies[0].cage.size = MeshSource{};
+  CHECK_FALSE(can_set_cells(session, 0));
+  CHECK(session.simulation.model.bodies[0].num_hexes == hexes);
+}
+
+TEST_CASE("a cage that cannot be made leaves the session as it is") {
+  const TemporaryFolder folder;
+  Session session(live_scene(folder));
+  std::vector<std::string> states;
+  step_often(session, 6, states);
+  session.original.bodies[0].source = MeshSource{.path = folder / "gone.obj"};
+  CHECK(failure_of([&] { set_cells(session, 0, 27); }).code == 66);
+  CHECK(session.simulation.model.num_hexes() == 8);
+  CHECK(bytes_of(session.state) == states.back());
+}
+
 TEST_CASE("a session of two bodies with pins is simulated again to the last bit") {
   const TemporaryFolder folder;
   Session session(live_scene(

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::pair<const char*, Wish>, 18> words{{{"play", Wish::play},
+constexpr std::array<std::pair<const char*, Wish>, 19> words{{{"play", Wish::play},
                                                               {"pause", Wish::pause},
                                                               {"step", Wish::step},
                                                               {"restart", Wish::restart},
@@ -28,7 +28,8 @@ constexpr std::array<std::pair<const char*, Wish>, 18> words{{{"play", Wish::pla
                                                               {"steer", Wish::steer},
                                                               {"seen", Wish::seen},
                                                               {"invite", Wish::invite},
-                                                              {"place", Wish::place}}};
+                                                              {"place", Wish::place},
+                                                              {"cells", Wish::cells}}};
 
 std::optional<Wish> wish_of(const json& value) {
   if (!value.is_string()) return std::nullopt;
@@ -76,6 +77,9 @@ std::optional<std::size_t> take_fields(const json& text, Message& message) {
                         take(text, "place", message.place));
     case Wish::place:
       return all(2, take(text, "obstacle", message.obstacle) && take(text, "place", message.place));
+    case Wish::cells:
+      return all(2, take(text, "body", message.body) && take(text, "cells", message.cells) && message.cells >= 1 &&
+                        message.cells <= most_live_cells);
     case Wish::move:
       return all(1, take(text, "place", message.place));
     case Wish::show:

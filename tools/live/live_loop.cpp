@@ -174,11 +174,14 @@ void LiveLoop::change_session(const Message& message) {
     case Wish::rewind:
       go_on_from(message.frame);
       break;
+    case Wish::cells:
+      is_done = change_cage(message.body, message.cells);
+      break;
     default:
       break;
   }
   if (!is_done)
-    news_.told(told_text("error", "that value, body, vertex or obstacle is not there, or cannot be changed"));
+    news_.told(told_text("error", "that value, body, vertex, obstacle or cage is not there, or cannot be changed"));
 }
 
 void LiveLoop::show_frame(int frame) {
@@ -200,6 +203,28 @@ void LiveLoop::go_on_from(int frame) {
   release(session_);
   rewind(session_, *state);
   recording_.cut(frame);
+}
+
+bool LiveLoop::change_cage(int body, int cells) {
+  if (!can_set_cells(session_, body)) return false;
+  const std::string& name = session_.original.bodies[std::size_t(body)].name;
+  try {
+    news_.told(told_text("note", fmt::format("makes a cage of about {} hexes for {}", cells, name)));
+    if (!set_cells(session_, body, cells)) return false;
+  } catch (const Error& error) {
+    news_.told(told_text("error", error.what()));
+    return true;
+  }
+  past_.reset();
+  told_values_.clear();
+  due_ = Clock::now();
+  keep_state();
+  news_.rebuilt();
+  const std::string text = fmt::format("{} has a cage of {} hexes now, and everything starts again", name,
+                                       session_.simulation.model.bodies[std::size_t(body)].num_hexes);
+  news_.said(text);
+  news_.told(told_text("note", text));
+  return true;
 }
 
 void LiveLoop::save(bool with_run) {

@@ -20,7 +20,8 @@ namespace umax {
 struct LiveNews {
   std::function<void(std::shared_ptr<const std::string> frame)> picture;  // bytes of encode_frame()
   std::function<void(std::string text)> told;                             // JSON, for all
-  std::function<void(std::string line)> said;                             // for the terminal
+  std::function<void()> rebuilt;               // the session has other meshes: pages begin anew
+  std::function<void(std::string line)> said;  // for the terminal
 };
 
 /// Owns the thread.
@@ -50,6 +51,7 @@ class LiveLoop {
   void change_session(const Message& message);
   void show_frame(int frame);
   void go_on_from(int frame);
+  bool change_cage(int body, int cells);
   void save(bool with_run);
   void one_step();
   void keep_state();

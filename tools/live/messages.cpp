@@ -59,6 +59,7 @@ json json_of(const Session& session, const BodySetup& body) {
           {"triangles", body.shape.mesh.num_triangles()},
           {"hexes", range.num_hexes},
           {"nodes", range.num_nodes},
+          {"cells", can_set_cells(session, int(&body - &session.simulation.bodies[0]))},
           {"mass", session.simulation.model.node_mass.segment(range.first_node, range.num_nodes).sum()},
           {"color", json_of(body.look.base_color)}};
 }
@@ -114,6 +115,7 @@ std::string hello_text(const Session& session, int keep) {
              {"fps", simulation.scene.clip.fps},
              {"tolerance", simulation.options.solver.tolerance},
              {"can_grab", can_grab(session)},
+             {"most_cells", most_live_cells},
              {"keep", keep}};
   for (const BodySetup& body : simulation.bodies) hello["bodies"].push_back(json_of(session, body));
   hello["obstacles"] = json::array();

@@ -27,13 +27,15 @@ enum class Wish {
   steer,
   seen,
   invite,
-  place
+  place,
+  cells
 };
 
 struct Message {
   Wish wish = Wish::pause;
   int key = 0, body = 0, vertex = 0, obstacle = 0;
   int frame = 0;            // show, rewind; seen: the number of the picture
+  int cells = 0;            // cells
   double value = 0;         // set, slower
   Vector3d place{0, 0, 0};  // grab, move
 };

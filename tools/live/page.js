@@ -5,7 +5,7 @@ const $ = id => document.getElementById(id);
 const headerSize = 108, plotSeconds = 8, mostSamples = 4000;
 const statusNames = ['converged', 'iteration limit', 'infeasible'], statusClasses = ['good', 'warn', 'bad'];
 
-const live = {socket: null, hello: null, bodies: [], obstacles: [], sliders: [], samples: [], frame: null, isNew: false, steers: false, plays: false, pull: null, retry: 500};
+const live = {socket: null, hello: null, bodies: [], obstacles: [], sliders: [], fields: [], turn: 0, samples: [], frame: null, isNew: false, steers: false, plays: false, pull: null, retry: 500};
 window.umaxLive = live;  // for tests of this page
 
 // ---- the picture
@@ -91,8 +91,8 @@ function pinOf(about) {
   return mark;
 }
 
-async function build(hello) {
-  for (const thing of [...live.bodies.map(body => body.group), ...live.obstacles]) scene.remove(thing);
+// False: another session's meshes have been asked for in the meantime.
+async function build(hello, turn) {
   const bodies = [], obstacles = [];
   for (let i = 0; i < hello.bodies.length; ++i) bodies.push(new Body(await fetchBytes('/body/' + i), hello.bodies[i], ramp));
   for (let i = 0; i < hello.obstacles.length; ++i) {
@@ -104,11 +104,14 @@ async function build(hello) {
     obstacles.push(thing);
   }
   for (const about of hello.pins) obstacles.push(pinOf(about));
+  if (turn !== live.turn) return false;
+  for (const thing of [...live.bodies.map(body => body.group), ...live.obstacles]) scene.remove(thing);
   live.bodies = bodies, live.obstacles = obstacles;
   for (const thing of [...bodies.map(body => body.group), ...obstacles]) scene.add(thing);
   const animated = hello.obstacles.filter(about => about.deforms).map(about => about.name);
   if (animated.length) toast('not drawn here, since they are animated by other programs: ' + animated.join(', '), false);
   showLooks();
+  return true;
 }
 
 // The boxes of bodies in a picture's bytes; everything that a picture holds.
@@ -270,7 +273,7 @@ function takeRole(role) {
   $('role').textContent = (role.steers ? 'you steer' : 'another browser steers') + (others > 0 ? ', ' + others + (others === 1 ? ' other watches' : ' others watch') : '');
   $('steer').hidden = role.steers;
   for (const id of ['restart', 'play', 'step', 'slower', 'scrub', 'save', 'render']) $(id).disabled = !role.steers;
-  for (const slider of live.sliders) slider.enable(role.steers);
+  for (const control of [...live.sliders, ...live.fields]) control.enable(role.steers);
 }
 
 // ---- the connection
@@ -281,17 +284,24 @@ function wish(name, more) {
 
 const answers = {
   hello: async hello => {
-    live.hello = null, live.frame = null;
+    const turn = ++live.turn;
+    live.hello = null, live.frame = null, live.waiting = null, live.values = null, live.samples = [];
+    handles.detach();
     $('name').textContent = hello.name;
     $('size').textContent = hello.bodies.map(body => body.hexes.toLocaleString('en') + ' hexes, ' + body.vertices.toLocaleString('en') + ' vertices').slice(0, 1) + (hello.bodies.length > 1 ? ' and ' + (hello.bodies.length - 1) + ' more bodies' : '');
     document.title = hello.name + ' · umax live';
-    await build(hello);
-    live.sliders = makeSliders(hello, $('keys'), (key, value) => wish('set', {key, value}));
-    if (live.role) live.sliders.forEach(slider => slider.enable(live.role.steers));
+    if (!await build(hello, turn)) return;
+    const {sliders, fields} = makeSliders(hello, $('keys'), (key, value) => wish('set', {key, value}), (body, cells) => wish('cells', {body, cells}));
+    live.sliders = sliders, live.fields = fields;
+    if (live.values) answers.values(live.values);  // told while the meshes came
+    if (live.role) for (const control of [...sliders, ...fields]) control.enable(live.role.steers);
     live.hello = hello;
     if (live.waiting) take(live.waiting);
   },
-  values: told => live.sliders.forEach((slider, i) => slider.show(told.values[i], told.goals[i])),
+  values: told => {
+    live.values = told;
+    live.sliders.forEach((slider, i) => slider.show(told.values[i], told.goals[i]));
+  },
   role: role => { live.role = role; takeRole(role); },
   note: told => toast(told.text, false),
   error: told => toast(told.text, true),
@@ -309,7 +319,8 @@ function take(bytes) {
   live.frame = decode(bytes);
   live.isNew = true;
   keepSample(live.frame);
-  if (first) frameView(live.frame);
+  if (first && !live.framed) frameView(live.frame);
+  live.framed = true;
   wish('seen', {frame: live.frame.number});
 }
 

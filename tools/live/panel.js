@@ -122,8 +122,31 @@ class Slider {
   }
 }
 
-// Fills the panel; turned(key, value). Returns the sliders in the order of the keys.
-function makeSliders(hello, panel, turned) {
+// The number of a body's hexes, whose change starts everything again. caged(cells): called with what is wished.
+class CellsField {
+  constructor(body, most, caged) {
+    this.element = document.createElement('div');
+    this.element.className = 'key';
+    this.element.innerHTML = '<div class="line"><label></label><input type="text" inputmode="numeric" spellcheck="false"><span class="unit">hexes</span></div>';
+    const label = this.element.querySelector('label');
+    this.text = this.element.querySelector('input');
+    label.textContent = 'cage', label.title = 'body.' + body.name + '.cage.cells: another cage starts everything again';
+    this.text.setAttribute('aria-label', 'body.' + body.name + '.cage.cells');
+    this.text.value = body.hexes;
+    this.text.addEventListener('change', () => {
+      const wanted = Number(this.text.value);
+      if (Number.isInteger(wanted) && wanted >= 1 && wanted <= most) caged(wanted);
+      else this.text.value = body.hexes, toast('a cage has 1 to ' + most + ' hexes', true);
+    });
+  }
+
+  enable(yes) {
+    this.text.disabled = !yes;
+  }
+}
+
+// Fills the panel; turned(key, value), caged(body, cells). Returns the sliders in the order of the keys, and the fields of cages.
+function makeSliders(hello, panel, turned, caged) {
   panel.textContent = '';
   const sections = new Map();
   const section = body => {
@@ -136,10 +159,17 @@ function makeSliders(hello, panel, turned) {
     }
     return sections.get(body);
   };
-  return hello.keys.map((about, i) => {
+  const sliders = hello.keys.map((about, i) => {
     const slider = new Slider(about, about.body, value => turned(i, value));
     section(about.body).append(slider.element);
     slider.show(hello.values[i], hello.goals[i], true);
     return slider;
   });
+  const fields = [];
+  hello.bodies.forEach((body, b) => {
+    if (!body.cells) return;
+    fields.push(new CellsField(body, hello.most_cells, cells => caged(b, cells)));
+    section(b).append(fields[fields.length - 1].element);
+  });
+  return {sliders, fields};
 }

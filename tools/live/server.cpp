@@ -45,6 +45,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   void start(const Request& request);
   void send(const std::string& text);
   void show(const std::shared_ptr<const std::string>& picture);
+  void begin_anew(const std::string& hello);
   void end() { close(websocket::close_code::going_away); }
 
  private:
@@ -160,6 +161,11 @@ void Watcher::send(const std::string& text) {
 void Watcher::show(const std::shared_ptr<const std::string>& picture) {
   next_ = picture;  // in place of one that has waited too long
   write_next();
+}
+
+void Watcher::begin_anew(const std::string& hello) {
+  next_ = nullptr;  // of meshes that are no more
+  send(hello);
 }
 
 void Watcher::write_next() {
@@ -295,6 +301,13 @@ LiveNews Server::news() {
                   for (const auto& watcher : std::vector(watchers_)) watcher->send(text);
                 });
               },
+          .rebuilt =
+              [this] {
+                asio::post(io_, [this, hello = hello_text(session_, options_.keep)] {
+                  hello_ = hello;
+                  for (const auto& watcher : std::vector(watchers_)) watcher->begin_anew(hello_);
+                });
+              },
           .said = [this](const std::string& line) { asio::post(io_, [this, line] { options_.on_line(line); }); }};
 }
 
@@ -336,7 +349,7 @@ std::string Server::address() const {
 }
 
 Response Server::answer(const Request& request) {
-  // the simulation's meshes do not change while it runs
+  const std::lock_guard lock(session_.other_meshes);
   const Answer answer = answer_to(asked_by(request), files_, session_.simulation, access_);
   if (answer.is_admission) options_.on_address(address(), false);
   return make_response(request, answer);

@@ -89,10 +89,15 @@ Pull pull_of(const Session& session, const Grab& grab) {
   return pull;
 }
 
+// what a session asks of a simulation
+void require_live(const Simulation& simulation) {
+  if (!simulation.scene.clip.allow_overlap) require_clear_start(simulation.model);
+}
+
 }  // namespace
 
 Session::Session(const Scene& scene) : simulation(set_up(with_turnable_limits(scene))), original(simulation.scene) {
-  if (!original.clip.allow_overlap) require_clear_start(simulation.model);
+  require_live(simulation);
   if (original.clip.preroll > 0)
     throw Error(Fault::bad_data, {.where = "clip.preroll",
                                   .what = "leads bodies before the first frame, which a live session does not",
@@ -108,6 +113,7 @@ Session::Session(const Scene& scene) : simulation(set_up(with_turnable_limits(sc
   keys = live_keys(original);
   for (std::size_t i = 0; i < keys.size(); ++i) goals.push_back(keys[i].value_at(original, 0));
   places.resize(count_handles(original));
+  cells.resize(original.bodies.size());
   stepping = begin_stepping_in_place(simulation);
   state = rest_state(simulation.model);
   last = measure(simulation.model, simulation.options, state);
@@ -188,6 +194,33 @@ void restart(Session& session) {
   rewind(session, rest_state(session.simulation.model));
 }
 
+bool can_set_cells(const Session& session, int body) {
+  if (body < 0 || body >= int(session.original.bodies.size())) return false;
+  const BodyDescription& description = session.original.bodies[std::size_t(body)];
+  return !description.brings_its_hexes() && !std::holds_alternative<MeshSource>(description.cage.size);
+}
+
+bool set_cells(Session& session, int body, int cells) {
+  if (!can_set_cells(session, body) || cells < 1 || cells > most_live_cells) return false;
+  Scene scene = session.original;
+  scene.bodies[std::size_t(body)].cage.size = cells;
+  Simulation made = set_up(scene);
+  require_live(made);
+  const auto on_iteration = session.stepping.options.on_iteration;
+  {
+    const std::lock_guard lock(session.other_meshes);
+    session.simulation = std::move(made);
+  }
+  session.original = session.simulation.scene;
+  session.keys = live_keys(session.original);
+  session.stepping = begin_stepping_in_place(session.simulation);
+  session.stepping.options.on_iteration = on_iteration;
+  session.cells[std::size_t(body)] = cells;
+  release(session);
+  restart(session);
+  return true;
+}
+
 void rewind(Session& session, const State& state) {
   const std::vector<double> values = session.goals;
   session.state = state;
@@ -222,6 +255,9 @@ SessionFiles session_files(const Session& session, const std::string& pulls_name
 
 std::string scene_lines(const Session& session) {
   std::string lines;
+  for (std::size_t b = 0; b < session.cells.size(); ++b)
+    if (session.cells[b])
+      lines += fmt::format("body.{}.cage.cells = {}\n", session.original.bodies[b].name, *session.cells[b]);
   for (std::size_t i = 0; i < session.keys.size(); ++i) {
     const LiveKey& key = session.keys[i];
     if (key.is_animated || session.goals[i] == key.value_at(session.original, 0)) continue;

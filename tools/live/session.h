@@ -5,6 +5,7 @@
 #pragma once
 
 #include <deque>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,9 +23,13 @@ struct Grab {
   Vector3d goal{0, 0, 0};  // [m] where it is wanted
 };
 
+/// A cage of more hexes is no longer live.
+inline constexpr int most_live_cells = 20000;
+
 struct Session {
-  Simulation simulation;  // its scene and model have all changes so far
-  Scene original;         // as it was set up
+  Simulation simulation;    // its scene and model have all changes so far
+  std::mutex other_meshes;  // locked while set_cells() replaces the simulation, and by threads that read its meshes
+  Scene original;           // as it was set up
   std::vector<LiveKey> keys;
   std::vector<double> goals;  // of each key: where a limit that falls is heading, else what it has
   Stepping stepping;          // of `simulation`: a session is not moved
@@ -32,10 +37,11 @@ struct Session {
   std::optional<Grab> grab;
   std::vector<std::optional<Vector3d>> places;  // [m] that obstacles, and behind them pins, are on the way to
   RecordedPulls pulls;
-  std::deque<StepRow> rows;           // of the last steps
-  std::size_t most_rows = 100000;     // that are kept
-  long long steps_not_converged = 0;  // since the start
-  StepReport last;                    // of the step that led to the state
+  std::deque<StepRow> rows;               // of the last steps
+  std::size_t most_rows = 100000;         // that are kept
+  long long steps_not_converged = 0;      // since the start
+  StepReport last;                        // of the step that led to the state
+  std::vector<std::optional<int>> cells;  // that bodies have been given by set_cells()
 
   explicit Session(const Scene& scene);
   Session(const Session&) = delete;
@@ -71,6 +77,14 @@ const StepReport& step(Session& session);
 
 /// Back to the initial state, with the values of the moment.
 void restart(Session& session);
+
+/// Whether the body's cage is made by a number of cells: it brings no hexes of its own.
+bool can_set_cells(const Session& session, int body);
+
+/// Gives a body a cage of about so many hexes and goes back to the start, as restart() does. False: there is no such body, it
+/// brings its hexes, or the number is out of range (1 ... most_live_cells). Throws what set_up() throws, and then nothing is
+/// changed.
+bool set_cells(Session& session, int body, int cells);
 
 /// Back to a state of this session, from which it then goes on otherwise. rows beyond are dropped.
 void rewind(Session& session, const State& state);
