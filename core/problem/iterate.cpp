@@ -207,8 +207,8 @@ Quality assess(const StepProblem& problem, const Iterate& iterate) {
 
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
   const double tolerance = problem.options->solver.tolerance;
-  const bool is_rounded = iterate.residuals.size() > 1 && iterate.last_move <= rounding_move &&
-                          is_balanced(quality.kkt, rounding_residual * tolerance);
+  const bool is_rounded = !problem.pins.springs.empty() && iterate.residuals.size() > 1 &&
+                          iterate.last_move <= rounding_move && is_balanced(quality.kkt, rounding_residual * tolerance);
   return (is_rounded || is_balanced(quality.kkt, tolerance)) && quality.max_ratio <= 1 + tolerance &&
          quality.complementarity <= tolerance && quality.limit_work <= bearable_work(problem, iterate) &&
          quality.depth <= problem.joining_share && iterate.last_move <= settled_move;

@@ -159,7 +159,10 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
 // Do pins tear a body at the positions, as far as can be told? Hard limits are passed clearly.
 bool is_torn(const StepProblem& problem, const State& state, const Points& positions) {
   constexpr double clearly = 0.01;  // [-] of a limit
-  if (!state.been_feasible || (problem.pins.nodes.empty() && problem.pins.springs.empty())) return false;
+  const auto is_exact = [](const PinSpring& spring) { return spring.is_exact; };
+  const bool pinned =
+      !problem.pins.nodes.empty() || std::any_of(problem.pins.springs.begin(), problem.pins.springs.end(), is_exact);
+  if (!state.been_feasible || !pinned) return false;
   const VectorXd ratios = limit_ratios(*problem.model, problem.options->solver, problem.materials, positions);
   for (Eigen::Index l = 0; l < ratios.size(); ++l)
     if (problem.model->limits[l].kind == LimitKind::hard && ratios[l] > 1 + clearly) return true;
@@ -174,7 +177,7 @@ StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data
   approach(problem, iterate);
   const BackEnd& back_end = problem.plan.is_multigrid() ? multigrid : direct;
   back_end.prepare(problem, iterate, workspace);
-  if (is_torn(problem, state, problem.positions_t0))
+  if (workspace.may_tear && is_torn(problem, state, problem.positions_t0))
     return search_torn(problem, workspace, iterate, report) == Search::solved ? StepStatus::converged
                                                                               : StepStatus::infeasible;
   if (sequential_quadratic(problem, back_end, workspace, iterate, report)) return StepStatus::converged;
@@ -194,7 +197,8 @@ StepStatus solve(const StepProblem& problem, bool may_be_halved, Workspace::Data
     }
   }
   // halves of a step that pins tear are torn as well
-  const bool infeasible = search == Search::infeasible || is_torn(problem, state, iterate.positions);
+  const bool infeasible =
+      search == Search::infeasible || (workspace.may_tear && is_torn(problem, state, iterate.positions));
   return infeasible ? StepStatus::infeasible : StepStatus::iteration_limit;
 }
 

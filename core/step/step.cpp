@@ -205,6 +205,7 @@ StepReport advance_island(const Model& model, const StepOptions& options, Worksp
   StepOptions part_options = options;
   part_options.forces = part_of(model, options.forces, island);
   swap_matrices();
+  island.workspace.may_tear = data.may_tear;
   const StepReport report = advance_whole(island.model, part_options, island.workspace, part);
   swap_matrices();
   return report;
@@ -267,6 +268,18 @@ std::vector<int> joined(const std::vector<int>& first, const std::vector<int>& s
   return both;
 }
 
+bool has_pins(const Model& model) {
+  return std::any_of(model.bodies.begin(), model.bodies.end(),
+                     [](const Model::BodyRange& body) { return body.pins != nullptr; });
+}
+
+// What a pin that lets go has torn has to find back.
+bool same_pins_hold(const Model& model, double before, double after) {
+  return std::all_of(model.bodies.begin(), model.bodies.end(), [&](const Model::BodyRange& body) {
+    return !body.pins || body.pins->active_at(before) == body.pins->active_at(after);
+  });
+}
+
 // A step of the model that pins drive. Where a limit keeps a point from where a pin has it, the limits of its hex and of those
 // around are put aside and the step is made again, and so on, as long as that helps: what a contact keeps away stays. Where
 // limits could not be held, all that were passed are put aside: the body gives way evenly, not in a few hexes that are torn
@@ -274,6 +287,7 @@ std::vector<int> joined(const std::vector<int>& first, const std::vector<int>& s
 StepReport advance_pinned(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
   const double end = state.time + options.time_step;
   const Model& pinned = pinned_model(model, end, data);
+  data.may_tear = &pinned != &model && same_pins_hold(model, state.time, end);
   if (&pinned == &model) return advance_islands(model, options, data, state);
   struct Attempt {
     State end;
@@ -315,7 +329,7 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   require_solvable(plan_linear_solvers(model, options.solver), options.solver);
   require_forces(model, options.forces);
   State next = state;
-  if (!next.been_feasible && model.num_hexes() > 0)  // a first step may be torn already
+  if (!next.been_feasible && has_pins(model))  // they may tear in the first step
     next.been_feasible = energy_ratios(model, options.solver, state).maxCoeff() <= 1 + options.solver.tolerance;
   StepReport report = advance_pinned(model, options, workspace.data(), next);
   next.time = state.time + options.time_step;

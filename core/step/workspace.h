@@ -31,6 +31,7 @@ struct Workspace::Data {
   std::shared_ptr<Clearances> measured;          // of searches that measure how deep bodies are inside each other
   std::vector<std::vector<char>> active_pins;    // per body, for which `pinned` was made
   std::unique_ptr<Model> pinned;                 // core/step/pinned_model.h
+  bool may_tear = false;  // pins hold in this step what they held before it, so that limits may be passed in both
 
   Data();
   Data(Data&&) noexcept;
