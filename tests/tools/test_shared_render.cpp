@@ -34,9 +34,9 @@ fs::path run_alone(const TemporaryFolder& folder, const Words& more = {}) {
   return folder / "one";
 }
 
-fs::path simulate_alone(const TemporaryFolder& folder, const std::string& name = "many") {
-  REQUIRE(exit_code_of(Words{"simulate", shared_scene(folder).string(), "-o", (folder / name).string()} + settings) ==
-          0);
+fs::path simulate_alone(const TemporaryFolder& folder, const std::string& name = "many", const Words& more = {}) {
+  REQUIRE(exit_code_of(Words{"simulate", shared_scene(folder).string(), "-o", (folder / name).string()} + settings +
+                       more) == 0);
   return folder / name;
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("the setting in which two scenes differ is named") {
 /// What the script does with a simulated clip, called with the program and the folder, is what one run does alone, each
 /// frame drawn once.
 void check_drawn_together(const TemporaryFolder& folder, const std::string& script, const Words& more = {}) {
-  const fs::path one = run_alone(folder, more), many = simulate_alone(folder);
+  const fs::path one = run_alone(folder, more), many = simulate_alone(folder, "many", more);
   CHECK(run_script(script, many).exit_code == 0);
   check_each_once(folder.path());
   check_same_pictures(one, many);
@@ -182,12 +182,11 @@ TEST_CASE("several renders at once draw each frame once, and the pictures and cl
 
 TEST_CASE("two renders of parts at once make the clip of all frames") {
   const TemporaryFolder folder;
-  check_drawn_together(
-      folder,
-      "\"$0\" render \"$1\" --set render.samples=150 --frames 1-8 --progress json > \"${1%/*}/1.log\" & "
-      "\"$0\" render \"$1\" --set render.samples=150 --frames 9-16 --progress json > \"${1%/*}/2.log\"; "
-      "code=$?; wait $! || code=$?; exit $code",
-      {"--set", "render.samples=150"});  // so that each is still there when the other one has come
+  check_drawn_together(folder,
+                       "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & "
+                       "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\"; "
+                       "code=$?; wait $! || code=$?; exit $code",
+                       {"--set", "render.samples=150"});  // so that each is still there when the other one has come
 }
 
 TEST_CASE("a render of a part alone makes the clip of that part, and says so") {
