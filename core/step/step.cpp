@@ -254,7 +254,7 @@ StepReport advance_pinned(const Model& model, const StepOptions& options, Worksp
     const MissedPins missed = missed_pins(pinned, options, now.end.positions, end);
     now.farthest = missed.farthest;
     std::vector<int> more = with_neighbours(model, joined(beaten, missed.hexes));
-    if (now.report.status == StepStatus::infeasible)
+    if (data.may_tear && now.report.status == StepStatus::infeasible)
       more = joined(more, hexes_beyond_limits(pinned, options.solver, now.end));
     const bool helps = now.farthest < 0.5 * best.farthest;
     if (helps) std::swap(best, now);
