@@ -42,8 +42,9 @@ Encounters find_encounters(const Model& model, const TouchableBodies& touchable,
 /// The bodies of which a node is farther than the margin [cells] from where it was expected: #B.
 std::vector<char> left_margin(const Model& model, const Encounters& encounters, const Points& positions, double margin);
 
-/// Those alone of vertices of one body with another (or the same) that are wanted.
+/// Whether encounters of a body's vertices with another body, or with itself, are wanted.
 using WantedBodies = std::function<bool(int body, int other)>;
+/// Those alone that are wanted.
 Encounters find_encounters_of(const Model& model, const TouchableBodies& touchable, const std::vector<int>& hex_starts,
                               const Points& positions, double margin, const WantedBodies& wanted);
 

@@ -102,7 +102,9 @@ class Page:
     def __init__(self, address):
         self.browser = open_browser()
         self.browser.get(address)
-        until("a first picture", lambda: self.run("return window.umaxLive && umaxLive.frame !== null && umaxLive.hello !== null"))
+        until("a first picture", lambda: self.run("return Boolean(window.umaxLive && umaxLive.frame && umaxLive.hello && umaxLive.role)"))
+        told = self.drawn()
+        until("it is drawn", lambda: self.drawn() > told + 1)  # before that nothing is where a click would meet it
 
     def run(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
@@ -118,8 +120,27 @@ class Page:
           for (let v = 0; v < body.vertexHex.length; ++v) body.place(v, at, 0), lowest = Math.min(lowest, at[1]);
           return lowest;""")
 
+    def drawn(self):
+        """How many times."""
+        return self.run("return renderer.info.render.frame")
+
     def click(self, name):
         self.browser.find_element(By.ID, name).click()
+
+    def choose(self, what, place):
+        """Clicks at a point that place() tells, from the canvas's middle [px], until handles are there: a browser that is busy
+        may see the click while the camera still moves."""
+        canvas = self.browser.find_element(By.ID, "view")
+
+        def chosen():
+            x, y = place()
+            ActionChains(self.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
+            end = time.time() + 2
+            while time.time() < end and not self.run("return Boolean(handles.object)"):
+                time.sleep(0.05)
+            return self.run("return Boolean(handles.object)")
+
+        until(what, chosen)
 
     def text(self, name):
         return self.browser.find_element(By.ID, name).text
@@ -243,13 +264,11 @@ def test_pin(program, folder):
     pin = "pin.top.box = { min = [-1, 1.15, -1], max = [1, 2, 1] }\nlook.color"
     (folder / "held.toml").write_text(SCENE.replace("look.color", pin))
     with page_of(program, folder / "held.toml") as page:
-        x, y = page.run("""
-          const at = new THREE.Vector3(...umaxLive.hello.pins[0].place).project(camera), canvas = document.getElementById('view');
-          return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];""")
         page.click("play")
-        canvas = page.browser.find_element(By.ID, "view")
-        ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
-        until("handles at the pin", lambda: page.run("return Boolean(handles.object) && umaxLive.chosen === 2"))
+        page.choose("handles at the pin", lambda: page.run("""
+          const at = new THREE.Vector3(...umaxLive.hello.pins[0].place).project(camera), canvas = document.getElementById('view');
+          return [0.5 * at.x * canvas.clientWidth, -0.5 * at.y * canvas.clientHeight];"""))
+        check("they are the pin's", page.run("return umaxLive.chosen === 2"))
         lowest = page.height()
         page.run("handle.position.y += 0.3; live.placed = live.places = true;")  # as dragging does
         until("the body comes along", lambda: page.height() > lowest + 0.2)
@@ -286,9 +305,7 @@ def test_obstacle(page, pictures):
     page.click("restart")  # the ball may have rolled in front of it
     until("a new start", lambda: page.frame("time") < 2 and page.is_playing())
     before = page.run(place)
-    x, y = page.run(on_screen, before)
-    ActionChains(page.browser).move_to_element_with_offset(canvas, int(x), int(y)).click().perform()
-    until("handles", lambda: page.run("return handles.object !== undefined && handles.object !== null"))
+    page.choose("handles", lambda: page.run(on_screen, before))
     reach = page.run("return 0.7 * camera.position.distanceTo(handle.position) * handles.size / 7")
     x, y = page.run(on_screen, [before[0] + reach, before[1], before[2]])
     page.picture(pictures, "live-handles.png")
