@@ -105,8 +105,12 @@ bool is_preset_key(const std::string& name) {
 }
 
 std::vector<Preset> presets(const std::optional<std::filesystem::path>& file) {
-  std::vector<Preset> all;
-  add_presets(embedded_presets[0].second, {.file = "built-in presets.toml"}, all);
+  static const std::vector<Preset> built_in = [] {
+    std::vector<Preset> all;
+    add_presets(embedded_presets[0].second, {.file = "built-in presets.toml"}, all);
+    return all;
+  }();
+  std::vector<Preset> all = built_in;
   if (file) add_presets(read_scene_text(*file), {.file = file->string(), .folder = file->parent_path()}, all);
   return all;
 }

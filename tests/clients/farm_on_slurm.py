@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """umax farm on a real scheduler: a process that is killed in the middle, a chunk that reaches past the clip, two variants, a
-job that is cancelled and gone on with. The result must be the bytes of one machine.
+job that is cancelled and gone on with, one that goes back into the queue at its deadline. The result must be the bytes of one machine.
 
 usage: farm_on_slurm.py PROGRAM"""
 import json
@@ -142,6 +142,26 @@ def variants_wait_for_their_own(program, cluster, folder):
     return status
 
 
+def goes_back_at_its_deadline(program, cluster, folder):
+    """A simulation that takes several times as long as a task may go on: each time it goes on where it was."""
+    harder = ["--set", "body.block.cage.cells=[11, 11, 11]", "--set", "clip.substeps=12"]
+    farm = Farm(program, cluster, folder / "deadline", ["--deadline", "5s", *harder])
+    farm.submit()
+    end = time.monotonic() + 240
+    while (status := farm.status())["tasks"]:
+        assert time.monotonic() < end, f"{status}\n{cluster.report()}"
+        time.sleep(3)  # a node starts nothing that it has just ended
+        for line in cluster.call("squeue", "--noheader", "--array", "--states=PENDING", "--format=%i %r").splitlines():
+            task, reason = line.split(maxsplit=1)
+            if reason == "BeginTime":  # what goes back into Slurm's queue waits for two minutes
+                cluster.call("scontrol", "update", f"JobId={task}", "StartTime=now")
+    calls = [line.split()[-1] for line in (farm.folder / "farm/calls/simulate-1").read_text().splitlines()]
+    assert status["whole"] and status["lost"] == 0, (status, calls, cluster.report())
+    assert calls.count("75") >= 2 and calls[-1] == "0", calls
+    require_same_run(farm.folder, reference_run(program, folder, "in time", *harder))
+    return calls.count("75")
+
+
 def is_cancelled(program, cluster, folder):
     farm = Farm(program, cluster, folder / "cancelled")
     farm.submit()
@@ -186,11 +206,12 @@ def main():
         with Cluster(folder / "slurm") as cluster:
             statuses = [is_killed_and_goes_on(program, cluster, folder),
                         variants_wait_for_their_own(program, cluster, folder)]
+            times = goes_back_at_its_deadline(program, cluster, folder)
             is_cancelled(program, cluster, folder)
             a_refused_job_leaves_none(program, cluster, folder)
             a_task_knows_its_time_and_goes_back_alone(cluster, folder)
     print(f"passed: {sum(s['lost'] for s in statuses)} calls lost in jobs, "
-          f"{sum(s['recovered'] for s in statuses)} recovered, the bytes those of one machine")
+          f"{sum(s['recovered'] for s in statuses)} recovered, {times} times back into the queue, the bytes those of one machine")
 
 
 if __name__ == "__main__":

@@ -93,6 +93,19 @@ TEST_CASE("a full disk ends an export without its files") {
   }
 }
 
+TEST_CASE("what a full disk ended is called again, by --resume where there is such") {
+  const TemporaryFolder folder;
+  fs::copy(block_run(), folder / "run", fs::copy_options::recursive);
+  const auto limited = [&](const std::string& words) {
+    return run_process({"bash", "-c", "ulimit -f 1; cd " + folder.path().string() + "; exec " UMAX_PROGRAM " " + words});
+  };
+  const ProcessResult exported = limited("export run --format ply"), rendered = limited("render run --no-clip");
+  CHECK(exported.exit_code == 73);
+  CHECK(contains(exported.messages, "(ulimit -f), then call it again"));
+  CHECK(rendered.exit_code == 74);
+  CHECK(contains(rendered.messages, "(ulimit -f), then go on with --resume"));
+}
+
 TEST_CASE("an export that is asked to stop leaves no file half-written") {
   const TemporaryFolder folder;
   fs::copy(block_run(), folder / "run", fs::copy_options::recursive);

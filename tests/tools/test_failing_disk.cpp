@@ -83,6 +83,25 @@ TEST_CASE("on a disk that is full at any point a run ends with 73 or 74, and goe
   CHECK(full == 6);
 }
 
+TEST_CASE("whichever of its first files a full disk takes from a run, it goes on when there is room") {
+  if (leave_out()) return;
+  int full = 0;
+  for (int pages = 1; pages <= 9; ++pages) {
+    CAPTURE(pages);
+    const TemporaryFolder folder;
+    const ProcessResult result = on_small_disk(
+        folder, fmt::format("mount -t tmpfs -o size={}k none \"$1\" || exit 99; "
+                            "\"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\"; code=$?; "
+                            "mount -o remount,size=100m \"$1\"; \"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\" "
+                            "--resume || exit 98; exit $code",
+                            4 * pages));
+    CAPTURE(result.messages);
+    CHECK((result.exit_code == 73 || result.exit_code == 74 || result.exit_code == 0));
+    full += result.exit_code != 0;
+  }
+  CHECK(full >= 5);
+}
+
 TEST_CASE("a file system for reading alone is told, and what is on it stays") {
   if (leave_out()) return;
   const TemporaryFolder folder;

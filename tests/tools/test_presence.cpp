@@ -1,11 +1,13 @@
 // Who is at work in a folder, on this machine and on others, and who has what.
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <csignal>
 #include <thread>
 
 #include "tests/support/catch.h"
@@ -110,6 +112,20 @@ TEST_CASE("a claim is one's own until it is released, and nothing is left behind
   }
   CHECK(!fs::exists(place));
   CHECK(workers_in(place).empty());
+}
+
+TEST_CASE("who cannot say who it is leaves no place behind") {
+  const TemporaryFolder folder;
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &none);
+  const int code = error_code_of([&] { Presence(folder / "place", "draw"); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  CHECK(code == 73);
+  CHECK(!fs::exists(folder / "place"));
 }
 
 TEST_CASE("what the gone have claimed is free, on this machine at once, on others after their lease") {

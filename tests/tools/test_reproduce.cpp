@@ -181,11 +181,19 @@ TEST_CASE("umax reproduce shows the beams and the spheres of the paper, and goes
   for (int frame = 60; frame <= 99; ++frame) fs::remove(run / "states" / ("00" + std::to_string(frame) + ".state"));
   fs::remove(report / "index.html");
   fs::remove(report / "tiles/figure3-1.png");
+  make_file(report / "tiles/.figure3-1.png.part-1", "half");
+  // of a call that was killed after its last state
+  const fs::path left = report / "runs/figure3-i-exact-rest";
+  const std::string motion = file_text(left / "motion.json");
+  fs::remove(left / "motion.json");
+  fs::create_directory(left / ".umax");
   REQUIRE(exit_code_of(Words{"reproduce", "figure3", "--resume"} + output + quick) == 0);
   CHECK(states_of(run) == states);
   CHECK(file_text(report / "report.csv") == table);
   CHECK(file_text(report / "index.html") == page);
   CHECK(fs::last_write_time(kept / "run.json") == written);
+  CHECK(file_text(left / "motion.json") == motion);
+  CHECK(!has_half_written_files(report));
 }
 
 TEST_CASE("umax reproduce corrects the paper's equations with numbers, and one page gathers what is asked for",

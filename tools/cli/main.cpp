@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <string>
 
 #include "core/base/error.h"
 #include "tools/cli/command_line.h"
@@ -17,8 +18,11 @@
 
 namespace {
 
+std::string verb;  // once it is known
+
 int run(int argc, char** argv) {
   const umax::Options options = umax::parse_command_line(argc, argv);
+  verb = options.verb;
   umax::pin_instruction_set(options.isa, argv);
   if (options.version) {
     fmt::print("{}", umax::version_report());
@@ -32,6 +36,15 @@ int run(int argc, char** argv) {
   return umax::find_verb(options.verb).run(options);
 }
 
+/// What takes no --resume is not told to go on with it.
+std::string told(std::string message) {
+  const std::string remedy = "go on with --resume";
+  const std::size_t at = message.find(remedy);
+  if (at != message.npos && !verb.empty() && !umax::takes_option(umax::find_verb(verb), "--resume"))
+    message.replace(at, remedy.size(), "call it again");
+  return message;
+}
+
 int report(umax::Fault fault, const std::string& message) {
   fmt::print(stderr, "umax: error: {}\n", message);
   return umax::exit_code_of(fault);
@@ -41,7 +54,7 @@ int guarded_run(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const umax::Error& error) {
-    return report(error.fault(), error.what());
+    return report(error.fault(), told(error.what()));
   } catch (const std::bad_alloc&) {
     return report(umax::Fault::internal, "memory ran out; fewer cells, smaller pictures or another machine help");
   } catch (const std::exception& error) {

@@ -43,6 +43,7 @@ ReportFolder::ReportFolder(const fs::path& path, ExistingFolder existing) : fold
     for (const fs::path& file : {page(), numbers()}) fs::remove(file, error);
     record_ = {};
   }
+  for (const fs::path& place : {this->path(), tiles()}) remove_leftovers(place);
   write_record();
 }
 

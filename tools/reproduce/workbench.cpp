@@ -9,6 +9,7 @@
 #include "scenes/scene_file.h"
 #include "tools/pictures/painter.h"
 #include "tools/pictures/shot.h"
+#include "tools/run/run_folder.h"
 #include "tools/run/run_record.h"
 #include "tools/setup/camera_framing.h"
 #include "tools/system/signals.h"
@@ -16,11 +17,11 @@
 namespace umax {
 namespace {
 
-/// Whether the folder holds this whole run.
+/// Whether the folder holds this whole run, and who made it had the time to finish it.
 bool is_complete(const Simulation& simulation, const std::filesystem::path& folder) {
   const auto record = read_run_record(folder / "run.json");
   return record && record->model_sha256 == simulation.digest && record->frames == simulation.last_frame() &&
-         count_states(folder) >= simulation.last_frame();
+         record->exit_status == 0 && !is_abandoned(folder) && count_states(folder) >= simulation.last_frame();
 }
 
 /// What is there is another run's: another version of the experiment, another mesh.

@@ -239,9 +239,10 @@ Fault fault_in(const RunFolder& folder, const Error& error) {
   return error.fault() == Fault::cannot_create && is_late ? Fault::io_error : error.fault();
 }
 
-/// do_stages, whose end is kept in run.json however it comes.
-int do_recorded_stages(const JobInHand& hand, std::optional<RunPictures> ready) {
+/// do_stages with the scene in its file, whose end is kept in run.json however it comes.
+int do_recorded_stages(const JobInHand& hand, const std::string& scene_text, std::optional<RunPictures> ready) {
   try {
+    write_if_different(hand.folder.scene(), scene_text);
     return do_stages(hand, std::move(ready));
   } catch (const Error& error) {
     const Error told(fault_in(hand.folder, error), error.text());
@@ -319,9 +320,10 @@ int do_job(const Job& job, const RunOptions& options, Progress& progress) {
   if (use_of(job) == FolderUse::shared)
     if (const int signal = agree(job, *pictures, folder, progress); signal != 0) return exit_code_after(signal);
   const std::string scene_text = resolved_toml(lit_scene(job.scene, simulation), limit_comments(simulation));
-  write_if_different(folder.scene(), scene_text);
+  // the record comes first: by it the folder is known as a run's, should the disk have no room for more
   RecordKeeper keeper(folder, options, scene_text, simulation, log);
-  return do_recorded_stages({job, options, simulation, frames, folder, keeper, log, progress}, std::move(pictures));
+  return do_recorded_stages({job, options, simulation, frames, folder, keeper, log, progress}, scene_text,
+                            std::move(pictures));
 }
 
 }  // namespace umax

@@ -51,13 +51,13 @@ RecordKeeper::RecordKeeper(const RunFolder& folder, const RunOptions& options, c
   own_.threads = options.threads;
   own_.caller = describe(this_worker(""));
   own_.began = utc_time();
-  log_.open(folder.log());
   tell_start();
   change([&](RunRecord& record) {
     first_step_ = record.steps;
     record.exit_status.reset();
     record.ended.clear();
   });
+  log_.open(folder.log());
 }
 
 void RecordKeeper::tell_start() {

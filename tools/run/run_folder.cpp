@@ -77,6 +77,11 @@ std::vector<Worker> workers_in_run(const fs::path& path) {
   return workers_in(path / run_kind.place_name);
 }
 
+bool is_abandoned(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path / run_kind.place_name, error) && workers_in_run(path).empty();
+}
+
 RunFolder::RunFolder(const fs::path& path, ExistingFolder existing, FolderUse use, const std::string& role)
     : folder_(path, existing, run_kind, use, role) {
   if (folder_.is_new() || use == FolderUse::shared) return;

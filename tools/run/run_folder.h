@@ -15,6 +15,9 @@ void check_run_folder(const std::filesystem::path& path, ExistingFolder existing
 /// Those who are at work in a run's folder.
 std::vector<Worker> workers_in_run(const std::filesystem::path& path);
 
+/// Whether those who were at work in it last are gone without having tidied up.
+bool is_abandoned(const std::filesystem::path& path);
+
 /// Where exports of a run go unless the user says otherwise.
 inline std::filesystem::path exports_path(const std::filesystem::path& run_folder) {
   return run_folder / "export";

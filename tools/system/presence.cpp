@@ -147,7 +147,9 @@ void write_first(const fs::path& path, const std::string& text) {
     const int made = ::mkdir(path.parent_path().c_str(), 0777) == 0 ? 0 : errno;
     const int reason = write_new(path, text);
     if (reason == 0) return;
-    if (reason != ENOENT || attempt == 20) fail(path, made != 0 && made != EEXIST ? made : reason);
+    if (reason == ENOENT && attempt < 20) continue;
+    ::rmdir(path.parent_path().c_str());  // which fails where others are
+    fail(path, made != 0 && made != EEXIST ? made : reason);
   }
 }
 

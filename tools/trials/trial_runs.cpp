@@ -57,7 +57,7 @@ Found look_for(const Scene& scene, const fs::path& run, bool is_ours) {
   if (found.is_other) return found;
   found.states = std::min(count_states(run), scene.clip.frames);
   if (same_scene) found.pictures = std::min(count_pictures(run), scene.clip.frames);
-  found.has_ended = record->exit_status == 0;
+  found.has_ended = record->exit_status == 0 && !is_abandoned(run);
   found.is_whole = same_scene && found.has_ended && found.states == scene.clip.frames &&
                    found.pictures == scene.clip.frames && fs::exists(run / "clip.mp4", error);
   return found;

@@ -137,10 +137,10 @@ class Live:
 
     name = "live"
 
-    def __init__(self, tool):
-        self.tool = tool
-        self.random = random.Random(tool.random.random())
-        self.scene = tool.place / "live.toml"
+    def __init__(self, proof):
+        self.proof = proof
+        self.random = random.Random(proof.random.random())
+        self.scene = proof.place / "live.toml"
         self.scene.write_text(SCENE)
         self.spans = {SET_UP: 0.5, SAVING: 0.02, WRITING: 0.1}  # [s] as they turn out
 
@@ -148,7 +148,7 @@ class Live:
         began, counts, folders, twice = time.monotonic(), {phase: 0 for phase in PHASES}, 0, 0
         while sum(counts.values()) < kills:
             folders += 1
-            folder = self.tool.place / "live-killed"
+            folder = self.proof.place / "live-killed"
             shutil.rmtree(folder, ignore_errors=True)
             self.saved = {}  # what the folder must keep: name -> digest
             for _ in range(self.random.randint(2, MOST_KILLS_A_FOLDER)):
@@ -162,12 +162,12 @@ class Live:
         return {"counts": counts, "runs": folders, "twice": twice, "volatile": [], "seconds": time.monotonic() - began}
 
     def fault(self, text):
-        self.tool.fault(self, text)
+        self.proof.fault(self, text)
 
     def begin(self, folder):
         """A session that is steered; none when it does not begin."""
         began = time.monotonic()
-        session = Session(self.tool.program, self.scene, folder)
+        session = Session(self.proof.program, self.scene, folder)
         address = session.wait_for(r"umax live is at (\S+)")
         if not address:
             session.end(signal.SIGKILL)
@@ -200,7 +200,7 @@ class Live:
     def kill_session(self, folder, phase):
         """Begins a session, kills it in that phase; looks at what is left. The phase in which it was killed, none if it was not."""
         if phase == SET_UP:
-            session = Session(self.tool.program, self.scene, folder)
+            session = Session(self.proof.program, self.scene, folder)
             time.sleep(self.random.random() * self.spans[SET_UP])
             is_killed = self.kill(session)
             self.look_at(folder, session)
@@ -267,7 +267,7 @@ class Live:
 
     def look_at_session(self, folder, scene, kept, is_run):
         """What was saved is the session; a run's folder is the run of it, or becomes it."""
-        again = self.tool.place / "live-again"
+        again = self.proof.place / "live-again"
         shutil.rmtree(again, ignore_errors=True)
         if not self.call(["simulate", scene, "-o", again]):
             return
@@ -322,15 +322,15 @@ class Live:
         # one in which something was pulled can be simulated, but not steered
         scenes = [path for path in sorted(folder.glob("session-*.toml")) if not path.with_suffix(".pulls").exists()]
         if scenes:
-            opened = Session(self.tool.program, self.random.choice(scenes), self.tool.place / "live-opened")
+            opened = Session(self.proof.program, self.random.choice(scenes), self.proof.place / "live-opened")
             is_open = opened.wait_for("umax live is at")
             opened.end(signal.SIGTERM)
             if not is_open:
                 self.fault(f"a saved session is not opened: {opened.messages.strip()}")
-            shutil.rmtree(self.tool.place / "live-opened", ignore_errors=True)
+            shutil.rmtree(self.proof.place / "live-opened", ignore_errors=True)
 
     def call(self, words):
-        done = subprocess.run([str(word) for word in [self.tool.program] + words + ["--quiet"]], stderr=subprocess.PIPE, text=True)
+        done = subprocess.run([str(word) for word in [self.proof.program] + words + ["--quiet"]], stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
             self.fault(f"umax {' '.join(map(str, words))} ends with {done.returncode}: {done.stderr.strip()}")
         return done.returncode == 0

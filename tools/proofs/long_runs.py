@@ -1,6 +1,6 @@
 """What must stay as it is however long umax runs: memory, time a frame, open files, and the invariants of the physics.
 
-Used by tools/reliability --long. A run of thousands of frames is watched from outside, frame by frame, in /proc; what runs of
+Used by tools/reliability long. A run of thousands of frames is watched from outside, frame by frame, in /proc; what runs of
 tens of thousands of steps must keep is read from steps.csv and from the states.
 """
 import csv
