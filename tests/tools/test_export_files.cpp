@@ -97,7 +97,8 @@ TEST_CASE("what a full disk ended is called again, by --resume where there is su
   const TemporaryFolder folder;
   fs::copy(block_run(), folder / "run", fs::copy_options::recursive);
   const auto limited = [&](const std::string& words) {
-    return run_process({"bash", "-c", "ulimit -f 1; cd " + folder.path().string() + "; exec " UMAX_PROGRAM " " + words});
+    return run_process(
+        {"bash", "-c", "ulimit -f 1; cd " + folder.path().string() + "; exec " UMAX_PROGRAM " " + words});
   };
   const ProcessResult exported = limited("export run --format ply"), rendered = limited("render run --no-clip");
   CHECK(exported.exit_code == 73);

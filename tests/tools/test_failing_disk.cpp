@@ -90,11 +90,12 @@ TEST_CASE("whichever of its first files a full disk takes from a run, it goes on
     CAPTURE(pages);
     const TemporaryFolder folder;
     const ProcessResult result = on_small_disk(
-        folder, fmt::format("mount -t tmpfs -o size={}k none \"$1\" || exit 99; "
-                            "\"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\"; code=$?; "
-                            "mount -o remount,size=100m \"$1\"; \"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\" "
-                            "--resume || exit 98; exit $code",
-                            4 * pages));
+        folder,
+        fmt::format("mount -t tmpfs -o size={}k none \"$1\" || exit 99; "
+                    "\"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\"; code=$?; "
+                    "mount -o remount,size=100m \"$1\"; \"$0\" simulate \"$4\" --frames 1 --quiet -o \"$1/run\" "
+                    "--resume || exit 98; exit $code",
+                    4 * pages));
     CAPTURE(result.messages);
     CHECK((result.exit_code == 73 || result.exit_code == 74 || result.exit_code == 0));
     full += result.exit_code != 0;
