@@ -9,6 +9,7 @@
 #include "core/contact/clearances.h"
 #include "core/contact/surface_overlap.h"
 #include "core/model/hex_limits.h"
+#include "core/problem/limit_recovery.h"
 
 namespace umax {
 namespace {
@@ -74,6 +75,7 @@ StepProblem begin_step(const Model& model, const StepOptions& options, const Lin
   if (may_start_deep(contact, state)) contact.deep_start = find_deep_start(contact);
   if (!contact.deep_start.ways_out.empty()) contact.clearances->of_encounters.clear();  // gaps there are of other kinds
   Materials materials = materials_at(model, state.time + h);
+  materials.limits = recovering_limits(model, options.solver, state, h, materials);
   StepPins pins = pins_at(model, options.pulls, materials.young, state.time + h, h);
   return {
       .model = &model,

@@ -24,7 +24,7 @@ struct StepProblem {
   double h = 0;                        // [s]
   Points positions_t0;                 // #N x 3 [m]
   Points velocities_t0;                // #N x 3 [m/s]
-  Materials materials;                 // at the end of the step
+  Materials materials;                 // at the end of the step; limits as core/problem/limit_recovery.h lets them
   VectorXd damping_mass;               // #N [1/s] Rayleigh alpha, at the end of the step
   VectorXd damping_stiffness;          // #E [s] Rayleigh beta, likewise
   std::vector<Matrix3d> rotations_t0;  // #E, none where no stiffness damps

@@ -13,6 +13,7 @@
 #include "core/contact/moving_obstacle.h"
 #include "core/linear/direct/sparse_cholesky.h"
 #include "core/model/hex_limits.h"
+#include "core/problem/limit_recovery.h"
 #include "core/problem/step_problem.h"
 #include "core/step/exact_step.h"
 #include "core/step/islands.h"
@@ -224,7 +225,7 @@ bool has_pins(const Model& model) {
                      [](const Model::BodyRange& body) { return body.pins != nullptr; });
 }
 
-// What a pin that lets go has torn has to find back.
+// What a pin that lets go has torn comes back as core/problem/limit_recovery.h says.
 bool same_pins_hold(const Model& model, double before, double after) {
   return std::all_of(model.bodies.begin(), model.bodies.end(), [&](const Model::BodyRange& body) {
     return !body.pins || body.pins->active_at(before) == body.pins->active_at(after);
@@ -238,7 +239,8 @@ bool same_pins_hold(const Model& model, double before, double after) {
 StepReport advance_pinned(const Model& model, const StepOptions& options, Workspace::Data& data, State& state) {
   const double end = state.time + options.time_step;
   const Model& pinned = pinned_model(model, end, data);
-  data.may_tear = &pinned != &model && same_pins_hold(model, state.time, end);
+  data.may_tear = &pinned != &model && same_pins_hold(model, state.time, end) &&
+                  !are_limits_recovering(model, options.solver, state);
   if (&pinned == &model) return advance_islands(model, options, data, state);
   struct Attempt {
     State end;
@@ -288,8 +290,8 @@ StepReport step(const Model& model, const StepOptions& options, Workspace& works
   Workspace::Data& data = workspace.data();
   measure_into(model, options, next, data, report);
   next.been_feasible = next.been_feasible || report.max_energy_ratio <= 1 + options.solver.tolerance;
-  const bool is_pinned = &pinned_model(model, next.time, workspace.data()) != &model;  // pins beat limits
-  if (!next.been_feasible || (is_pinned && report.max_energy_ratio > 1 + options.solver.tolerance))
+  // pins beat limits, and what they let go has to come back
+  if (!next.been_feasible || (has_pins(model) && report.max_energy_ratio > 1 + options.solver.tolerance))
     report.status = StepStatus::infeasible;
   state = std::move(next);
   return report;
