@@ -10,6 +10,7 @@
 #include "tools/run/frame_list.h"
 #include "tools/run/frame_order.h"
 #include "tools/run/picture_record.h"
+#include "tools/system/worker.h"
 
 using namespace umax;
 namespace fs = std::filesystem;
@@ -267,6 +268,21 @@ TEST_CASE("renders with different settings do not mix: the second is told which 
   CHECK(file_text(many / "scene.toml") == scene);
   REQUIRE(exit_code_of({"render", many.string(), "--overwrite", "--samples", "3"}) == 0);
   CHECK(pictures_of(many) != before);
+}
+
+TEST_CASE("renders that come at once with the same new setting draw together") {
+  const TemporaryFolder folder;
+  const fs::path many = simulate_alone(folder);
+  fs::create_directory(many / ".umax");
+  make_file(many / ".umax/door.1", worker_text(this_worker("holds the door until both are there")));
+  const std::string render = "\"$0\" render \"$1\" --set render.samples=3 --frames 1-4 > /dev/null & ";
+  const ProcessResult result =
+      run_script(render + "first=$!; " + render + wait_until("[ $(ls \"$1/.umax\" | grep -c '^worker-') = 2 ]") +
+                     "rm \"$1/.umax/door.1\"; wait $first || exit; wait $!",
+                 many);
+  CAPTURE(result.messages);
+  CHECK(result.exit_code == 0);
+  CHECK(pictures_of(many).size() == 4);
 }
 
 TEST_CASE("a folder in which pictures are drawn is neither simulated nor overwritten") {

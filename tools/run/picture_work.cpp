@@ -20,6 +20,8 @@ namespace umax {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* agreed = "agreed-";  // begins what each claims who has gone through agree_on_pictures()
+
 /// Who decides over the pictures of a folder, one at a time: which settings they have, and what the clip is of.
 class Door {
  public:
@@ -112,6 +114,12 @@ void remove_misfits(const RunFolder& folder, const PictureRecord& there, const P
                                 : "the pictures that are there were made with other settings (" + setting +
                                       "): they are made anew");
   folder.remove_pictures();
+}
+
+/// Whether others have gone through agree_on_pictures().
+bool others_have_agreed(const Presence& presence) {
+  const std::set<std::string> names = presence.claimed_by_others();
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) { return name.starts_with(agreed); });
 }
 
 /// Frames that others are drawing.
@@ -232,13 +240,15 @@ int agree_on_pictures(const RunFolder& folder, const PictureRecord& wanted, cons
                       OtherPictures others, Progress& progress) {
   const Door door(folder.presence());
   if (!door.is_ours()) return stop_signal();
-  const std::vector<Worker> beside = with_role(folder.presence().others(), {draws, draws_for_clip});
+  std::vector<Worker> beside = with_role(folder.presence().others(), {draws, draws_for_clip});
+  if (!others_have_agreed(folder.presence())) beside.clear();  // they have just come, and do as we say
   const auto there = read_picture_record(folder.pictures());
   const bool is_same = there && there->digest == wanted.digest && there->clip_frames == wanted.clip_frames;
   if (there && !is_same && !beside.empty()) refuse_beside(folder, *there, wanted, beside.front());
   if (there && !is_same) remove_misfits(folder, *there, wanted, render, others, progress);
   tidy(folder);
   if (!is_same) write_picture_record(folder.pictures(), wanted);
+  folder.presence().claim(agreed + folder.presence().name());
   return 0;
 }
 

@@ -48,6 +48,9 @@ class Presence {
   /// Whether a claim is ours still: nobody has taken it over since, and the folder is there.
   bool holds(const std::string& name) const;
 
+  /// Of this presence alone, for claims that each makes for itself.
+  std::string name() const { return own_.filename().string(); }
+
   /// The others who are alive.
   std::vector<Worker> others() const;
   /// What those have claimed.
