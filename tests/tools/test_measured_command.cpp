@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "tests/support/catch.h"
+#include "tests/tools/program.h"
 #include "tools/system/subprocess.h"
 
 using namespace umax;
@@ -24,6 +25,24 @@ TEST_CASE("the peak memory of a command is its own, however much the caller hold
   const double large = peak_of({"dd", "if=/dev/zero", "of=/dev/null", "bs=150M", "count=1"});
   CHECK(large > 150e6);
   CHECK(large < 250e6);
+}
+
+TEST_CASE("two programs are measured by what their steps say that they took") {
+  const TemporaryFolder folder;
+  const auto script = folder / "umax";  // another umax, each of whose steps takes 10 s
+  make_file(script,
+            "#!/bin/sh\nmkdir -p \"$4\" && printf 'limits_active,status,contacts,wall_ms\\n0,converged,0,1\\n"
+            "0,converged,1,15e3\\n1,converged,0,5e3\\n' > \"$4/steps.csv\"\n");
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  const ProcessResult result =
+      run_process({UMAX_BENCH, "--against", script.string(), "--only", "figure", "--turns", "1"});
+  CAPTURE(result.output, result.messages);
+  CHECK(result.exit_code == 0);
+  CHECK(result.output.find("and 1e+04 ms)") != std::string::npos);
+  CHECK(result.output.find("met    figure, 365 hexes: active step") != std::string::npos);
+  const ProcessResult none = run_process({UMAX_BENCH, "--against", (folder / "none").string()});
+  CHECK(none.exit_code == 2);
+  CHECK(none.messages.find("there is no such program") != std::string::npos);
 }
 
 TEST_CASE("a measured command that fails hands on its exit code") {

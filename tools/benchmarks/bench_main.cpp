@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tools/benchmarks/bench.h"
+#include "tools/benchmarks/bench_against.h"
 #include "tools/benchmarks/measured_command.h"
 #include "tools/system/machine_memory.h"
 #include "tools/system/threads.h"
@@ -63,17 +64,33 @@ int run(const Benchmark& benchmark) {
 
 int main(int argc, char** argv) {
   if (argc > 2 && std::string(argv[1]) == "--measure") return measure_and_print(argv + 2);
-  std::string only;
-  bool full = false;
+  AgainstOptions against;
+  std::string& only = against.only;
+  bool& full = against.full;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--full") {
       full = true;
     } else if (argument == "--only" && i + 1 < argc) {
       only = argv[++i];
+    } else if (argument == "--against" && i + 1 < argc) {
+      against.old_program = argv[++i];
+    } else if (argument == "--turns" && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
+      against.turns = std::atoi(argv[++i]);
     } else {
       fmt::print(stderr,
-                 "usage: tools/bench [--only NAME] [--full]; NAME is what stands in [brackets] below each group\n");
+                 "usage: tools/bench [--against OLD_UMAX [--turns N]] [--only NAME] [--full]; NAME is what stands in "
+                 "[brackets] below "
+                 "each group\n");
+      return 2;
+    }
+  }
+  if (!against.old_program.empty()) {
+    try {
+      fmt::print("{} figure(s) missed\n", bench_against(against));
+      return 0;
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "bench: error: {}\n", error.what());
       return 2;
     }
   }
