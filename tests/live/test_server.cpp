@@ -293,8 +293,10 @@ TEST_CASE("who draws slowly misses pictures, and those that come are new") {
   RawClient client(served.port);
   REQUIRE(client.upgrade(served.host + served.origin + served.cookie()));
   client.hear_text("\"hello\"");
+  RawClient other(served.port);  // which draws all that comes
+  REQUIRE(other.upgrade(served.host + served.origin + served.cookie()));
   client.say(R"({"wish":"play"})");
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  REQUIRE(picture(other, 40));
   // nothing has been acknowledged: no more than a few are under way
   std::vector<FrameHeader> old;
   client.say(R"({"wish":"lines"})");
