@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/median.h"
 #include "core/files/read_file.h"
 #include "core/files/write_file.h"
 #include "tools/benchmarks/bench.h"
@@ -171,11 +172,6 @@ double run_once(const std::string& program, const Comparison& comparison, const 
   command.insert(command.end(), comparison.words.begin(), comparison.words.end());
   measure_command(command);
   return comparison.measure(steps_in(folder / "run/steps.csv"));
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 bool compare(const Comparison& comparison, const std::string& old_program) {

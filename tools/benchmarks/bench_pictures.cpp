@@ -9,6 +9,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "core/base/median.h"
 #include "embedding/mesh_files/mesh_io.h"
 #include "embedding/surface/normals.h"
 #include "embedding/surface/placement.h"
@@ -21,11 +22,6 @@
 
 namespace umax {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 TriangleMesh standing_armadillo() {
   MeshFile file = load_mesh(model_path("armadillo.obj"));

@@ -24,7 +24,10 @@ class CannotMount(Exception):
 
 
 def run(*words):
-    result = subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        result = subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    except OSError as error:
+        raise CannotMount(f"{words[0]}: {error.strerror}") from error
     if result.returncode != 0:
         raise CannotMount(f"{words[0]}: {result.stdout.strip()}")
 
@@ -54,23 +57,20 @@ class SmallDisk:
 
     def leave_room(self, room):
         """So many bytes, or a little less."""
-        status = os.statvfs(self.folder)
-        self.ballast.touch()
-        for spare in range(256):  # a large file takes blocks for what it knows of its blocks, too
-            size = status.f_bavail * status.f_frsize - room - spare * BLOCK_BYTES
-            if subprocess.run(["fallocate", "-l", str(max(BLOCK_BYTES, size)), self.ballast], stderr=subprocess.DEVNULL).returncode == 0:
-                break
-        with open(self.ballast.with_name("rest"), "wb") as file:  # what fallocate could not have
+        with open(self.ballast, "wb", buffering=0) as file:
             try:
-                while os.statvfs(self.folder).f_bavail * status.f_frsize >= room + BLOCK_BYTES:
-                    file.write(bytes(BLOCK_BYTES))
-                    file.flush()
-            except OSError:
+                while (left := self.room()) > room + BLOCK_BYTES:
+                    file.write(bytes(max(BLOCK_BYTES, (left - room) // 2)))
+            except OSError:  # the file system needs a little for what it knows of the file
                 pass
+            os.fsync(file.fileno())
+
+    def room(self):
+        status = os.statvfs(self.folder)
+        return status.f_bavail * status.f_frsize
 
     def give_room(self):
-        for path in (self.ballast, self.ballast.with_name("rest")):
-            path.unlink()
+        self.ballast.unlink()
 
 
 class FullDisks:

@@ -50,10 +50,12 @@ void check_png_bytes(const fs::path& path, std::string_view bytes, int width, in
   fail_png(path, "is damaged: it ends too early");
 }
 
+constexpr const char* no_space = "the disk may have no space left: free some, then go on with --resume";
+
 [[noreturn]] void fail_encoding(const fs::path& clip, const ProcessResult& result) {
   const std::string messages = result.messages.substr(0, result.messages.find('\n'));
-  throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg failed with exit code {}", result.exit_code),
-                                messages, "look for room on the disk, then go on with --resume"});
+  throw Error(Fault::io_error,
+              {clip.string(), fmt::format("ffmpeg failed with exit code {}", result.exit_code), messages, no_space});
 }
 
 std::vector<std::string> encode_command(const fs::path& target, const ClipOptions& options) {
@@ -119,8 +121,10 @@ void encode_clip(const fs::path& clip, std::size_t num_pictures, const PictureSo
     if (result.exit_code != 0) fail_encoding(clip, result);
     const long long count = count_frames(temporary);
     if (count != static_cast<long long>(num_pictures))
-      throw Error(Fault::io_error, {clip.string(), fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures), "",
-                                    "look for room on the disk, then go on with --resume"});
+      throw Error(Fault::io_error, {clip.string(),
+                                    count < 0 ? "ffmpeg wrote what cannot be read"
+                                              : fmt::format("ffmpeg wrote {} frames of {}", count, num_pictures),
+                                    "", no_space});
     put_in_place(temporary, clip);
   } catch (...) {
     fs::remove(temporary, error);

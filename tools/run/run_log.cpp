@@ -12,6 +12,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "tools/system/worker.h"
 
 namespace umax {
@@ -28,12 +29,6 @@ std::string kind_of(const std::string& warning) {
       kind += '#';
   }
   return kind;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// What makes a step slow, in the order in which it is told.
