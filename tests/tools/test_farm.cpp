@@ -66,7 +66,7 @@ struct FakeQueue {
 };
 
 /// Calls go_on of task_functions.sh with a umax that ends with these codes, one after the other, then with 0, and leaves a
-/// state each time. more: commands before it.
+/// state each time. more: commands before it. The clock of the shell stands still at 0 unless they turn it.
 struct Attempts {
   int code = 0;
   std::string calls;   // "begins 137 begins 0"
@@ -88,8 +88,8 @@ Attempts go_on(const std::string& codes, const std::string& more = ":") {
             script_named(farm_scripts(plan, paths, queue_functions("slurm"), (folder / "umax").string()), "task.sh"));
   const ProcessResult result =
       run_process({"bash", "-c",
-                   ". " + (paths.farm() / "task.sh").string() + "; sleep() { :; }; run=1 most_lost=2 most_waits=3; " +
-                       more + "; go_on call render DIR"});
+                   ". " + (paths.farm() / "task.sh").string() + "; sleep() { :; }; unset SECONDS; SECONDS=0; " +
+                       "run=1 most_lost=2 most_waits=3; " + more + "; go_on call render DIR"});
   INFO(result.messages);
   return {result.exit_code, bash("cut -d' ' -f3 " + (paths.calls() / "call").string() + " | paste -sd' '"),
           result.output};
