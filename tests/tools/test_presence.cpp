@@ -56,6 +56,29 @@ constexpr FolderKind kind{"test of umax", ".place", [](const fs::path&) { return
 
 }  // namespace
 
+TEST_CASE("who comes has said who it is as soon as it is seen") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "place";
+  fs::create_directories(place);
+  const int nameless = ::open(place.c_str(), O_WRONLY | O_TMPFILE, 0666);
+  if (nameless < 0) {
+    WARN("this file system has no files without names");
+    return;
+  }
+  ::close(nameless);
+  std::atomic<bool> is_over = false;
+  std::thread coming([&] {
+    for (int i = 0; i < 2000; ++i) const Presence presence(place, "draw");
+    is_over = true;
+  });
+  int seen = 0, unknown = 0;
+  while (!is_over)
+    for (const Worker& worker : workers_in(place)) (worker.process == getpid() ? seen : unknown) += 1;
+  coming.join();
+  CHECK(seen > 0);
+  CHECK(unknown == 0);
+}
+
 TEST_CASE("a worker's text tells who it is, and half of it does not") {
   const Worker worker = this_worker("draw, clip");
   const std::string text = worker_text(worker);

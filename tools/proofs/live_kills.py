@@ -132,6 +132,10 @@ def body_of_state(path):
     return data[80:-64]
 
 
+def digest_of(path):
+    return digests(path) if path.is_dir() else hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 class Live:
     """Sessions in one folder after another, each session killed, and looked at."""
 
@@ -264,6 +268,7 @@ class Live:
         for scene in sorted(folder.glob("session-*.toml")):
             if scene.name not in self.saved:
                 self.look_at_session(folder, scene, kept, scene.stem in runs)
+                self.saved.update({path.name: digest_of(path) for path in folder.glob(f"{scene.stem}*")})
 
     def look_at_session(self, folder, scene, kept, is_run):
         """What was saved is the session; a run's folder is the run of it, or becomes it."""
@@ -287,15 +292,11 @@ class Live:
                 if not other.exists() or without_times(other) != without_times(path):
                     self.fault(f"{other} is not what umax simulate makes of {scene.name}")
                     break
-        for path in folder.glob(f"{scene.stem}*"):
-            files = digests(path) if path.is_dir() else hashlib.sha256(path.read_bytes()).hexdigest()
-            self.saved[path.name] = files
 
     def look_at_saved(self, folder):
         for name, files in self.saved.items():
             path = folder / name
-            now = digests(path) if path.is_dir() else hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else None
-            if now != files:
+            if not path.exists() or digest_of(path) != files:
                 self.fault(f"{path} was saved, and is not what it was after the next session began")
 
     def end_in_peace(self, folder):

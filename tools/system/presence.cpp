@@ -110,15 +110,30 @@ fs::path claim_path(const fs::path& place, const std::string& name, int number) 
   return place / fmt::format("{}.{}", name, number);
 }
 
-/// Makes a file for us alone; returns errno, 0 for success.
+/// Writes an open file and closes it; returns errno, 0 for success.
+int write_and_close(int file, const std::string& text, const std::function<int()>& when_written) {
+  const ssize_t written = ::write(file, text.data(), text.size());
+  int reason = written < 0 ? errno : written < ssize_t(text.size()) ? ENOSPC : when_written();
+  if (::close(file) != 0 && reason == 0) reason = errno;
+  return reason;
+}
+
+/// Makes a file for us alone, which has its name when it is written and not before where the file system can do that;
+/// elsewhere a process that is killed in between leaves one that says nothing. Returns errno, 0 for success.
 int write_new(const fs::path& path, const std::string& text) {
+  const int nameless = ::open(path.parent_path().c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (nameless >= 0) {
+    const std::string itself = fmt::format("/proc/self/fd/{}", nameless);
+    const int reason = write_and_close(nameless, text, [&] {
+      return ::linkat(AT_FDCWD, itself.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+    });
+    if (reason == 0 || reason == EEXIST || reason == ENOSPC || reason == EDQUOT) return reason;
+  }
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) return errno;
-  const ssize_t written = ::write(file, text.data(), text.size());
-  const int reason = written < 0 ? errno : written < ssize_t(text.size()) ? ENOSPC : 0;
-  if (::close(file) == 0 && reason == 0) return 0;
-  ::unlink(path.c_str());
-  return reason != 0 ? reason : EIO;
+  const int reason = write_and_close(file, text, [] { return 0; });
+  if (reason != 0) ::unlink(path.c_str());
+  return reason;
 }
 
 /// link(); an answer that was lost on the way from a server is looked for. Returns errno, 0 for success.
