@@ -3,8 +3,8 @@
 // each instruction set, with core/linear/bricks/multigrid_kernel_body.h.
 #pragma once
 
+#include "core/base/simd.h"
 #include "core/linear/bricks/multigrid_kernel.h"
-#include "core/linear/bricks/simd.h"
 
 namespace umax::UMAX_SIMD {
 

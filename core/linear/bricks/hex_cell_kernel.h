@@ -2,8 +2,8 @@
 // Compiled once for each instruction set, with core/linear/bricks/hex_kernel_body.h.
 #pragma once
 
+#include "core/base/simd.h"
 #include "core/linear/bricks/hex_kernel.h"
-#include "core/linear/bricks/simd.h"
 
 namespace umax::UMAX_SIMD {
 

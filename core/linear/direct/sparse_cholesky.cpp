@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel.h"
+#include "core/linear/direct/multifrontal.h"
 
 namespace umax {
 namespace {
@@ -175,6 +176,7 @@ void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>
 struct SparseCholesky::Data {
   cholmod_common common{};
   cholmod_factor* factor = nullptr;
+  FrontTree fronts;
   std::vector<int> order;  // node at each rank
   // buffers that cholmod_solve2 grows once and reuses
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
@@ -214,18 +216,15 @@ void SparseCholesky::analyse(const SystemMatrix& matrix) {
   common.postorder = 0;
   cholmod_sparse view = lower_triangle(matrix);
   data_->factor = cholmod_analyze(&view, &common);
-  if (!data_->factor) throw std::bad_alloc();
+  // room for its numbers
+  if (!data_->factor || !cholmod_change_factor(CHOLMOD_REAL, true, true, true, true, data_->factor, &common))
+    throw std::bad_alloc();
+  data_->fronts = make_front_tree(columns(), matrix);
 }
 
 bool SparseCholesky::factorize(const SystemMatrix& matrix) {
-  const SerialOpenMp serial;
-  const OneBlasThread one_thread;
-  cholmod_common& common = data_->common;
   if (!data_->factor) analyse(matrix);
-  cholmod_sparse view = lower_triangle(matrix);
-  cholmod_factorize(&view, data_->factor, &common);
-  if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE) throw std::bad_alloc();
-  return common.status == CHOLMOD_OK;
+  return umax::factorize(data_->fronts, columns(), matrix, static_cast<double*>(data_->factor->x));
 }
 
 SupernodalView SparseCholesky::columns() const {

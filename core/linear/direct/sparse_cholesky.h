@@ -1,5 +1,5 @@
-// The direct linear solver: a sparse Cholesky factorisation (CHOLMOD; Chen, Davis, Hager, Rajamanickam 2008) whose
-// symbolic analysis is kept from step to step.
+// The direct linear solver: a sparse Cholesky factorisation whose symbolic analysis (CHOLMOD; Chen, Davis, Hager,
+// Rajamanickam 2008) is kept from step to step. Its numbers come from core/linear/direct/multifrontal.h.
 #pragma once
 
 #include <Eigen/SparseCore>

@@ -1,0 +1,1 @@
+#include "core/linear/direct/front_kernel_body.h"
