@@ -77,9 +77,7 @@ UMAX_INLINE void store(S* to, Vec<T> v) {
 
 template <class T>
 UMAX_INLINE Vec<T> broadcast(T value) {
-  Vec<T> v{};
-  for (int lane = 0; lane < width<T>; ++lane) v[lane] = value;
-  return v;
+  return value - Vec<T>{};  // lane by lane, compilers mask and blend
 }
 
 /// a b + c, rounded once where the instruction set can.
@@ -99,6 +97,17 @@ UMAX_INLINE Vec<double> multiply_add(Vec<double> a, Vec<double> b, Vec<double> c
   return _mm256_fmadd_pd(a, b, c);
 #else
   return a * b + c;
+#endif
+}
+
+/// c - a b, rounded once where the instruction set can.
+UMAX_INLINE Vec<double> multiply_subtract(Vec<double> a, Vec<double> b, Vec<double> c) {
+#if defined(__AVX512F__)
+  return _mm512_fnmadd_pd(a, b, c);
+#elif defined(__AVX2__) && defined(__FMA__)
+  return _mm256_fnmadd_pd(a, b, c);
+#else
+  return c - a * b;
 #endif
 }
 

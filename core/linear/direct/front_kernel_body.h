@@ -31,8 +31,8 @@ UMAX_INLINE void accumulate(const Front& front, int row, int column, int first, 
     Vec<double> rows[R];
     for (int r = 0; r < R; ++r) rows[r] = load<double>(at + row + r * lanes);
     for (int c = 0; c < C; ++c) {
-      const Vec<double> minus = broadcast(-at[column + c]);
-      for (int r = 0; r < R; ++r) sums[c][r] = multiply_add(rows[r], minus, sums[c][r]);
+      const Vec<double> factor = broadcast(at[column + c]);
+      for (int r = 0; r < R; ++r) sums[c][r] = multiply_subtract(rows[r], factor, sums[c][r]);
     }
   }
 }
@@ -44,8 +44,8 @@ UMAX_INLINE void tile(const Front& front, int row, int column, int first, int co
   if constexpr (divides)
     for (int c = 0; c < C; ++c) {
       for (int d = 0; d < c; ++d) {
-        const Vec<double> minus = broadcast(-corner->values[d][c]);
-        for (int r = 0; r < R; ++r) sums[c][r] = multiply_add(sums[d][r], minus, sums[c][r]);
+        const Vec<double> factor = broadcast(corner->values[d][c]);
+        for (int r = 0; r < R; ++r) sums[c][r] = multiply_subtract(sums[d][r], factor, sums[c][r]);
       }
       const Vec<double> inverse = broadcast(corner->inverse[c]);
       for (int r = 0; r < R; ++r) sums[c][r] *= inverse;

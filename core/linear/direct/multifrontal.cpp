@@ -10,8 +10,8 @@
 namespace umax {
 namespace {
 
-constexpr double least_shared_work = 1e6;  // [operations] of a subtree whose children go to several threads
-constexpr double least_shared_update = 4e6;
+constexpr double least_shared_work = 3e5;  // [operations] of a subtree whose children go to several threads
+constexpr double least_shared_update = 5e5;
 constexpr int columns_at_once = 48;  // of an update that is shared
 
 struct Factorisation {
@@ -50,14 +50,20 @@ void add_matrix(const Factorisation& work, int group, const Front& front) {
 
 /// What is left of a front below.
 void add_child(const Factorisation& work, int child, const Front& front) {
-  const std::vector<int>& rows = work.tree.rows_above[child];
+  const std::vector<RowRun>& runs = work.tree.runs[child];
   const auto stride = front_stride(work.num_rows(child));
-  const auto eliminated = std::size_t(work.num_columns(child));
-  const double* from = work.fronts[child].get() + eliminated * (stride + 1);
-  for (std::size_t j = 0; j < rows.size(); ++j, from += stride) {
-    double* const column = front.values + std::size_t(rows[j]) * front.stride;
-    for (std::size_t i = j; i < rows.size(); ++i) column[rows[i]] += from[i];
-  }
+  const double* const values = work.fronts[child].get();
+  const auto add = [](const double* from, double* to, int count) {
+    for (int i = 0; i < count; ++i) to[i] += from[i];
+  };
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    for (int j = 0; j < runs[r].count; ++j) {
+      const double* const from = values + std::size_t(runs[r].from + j) * stride;
+      double* const to = front.values + std::size_t(runs[r].to + j) * front.stride;
+      add(from + runs[r].from + j, to + runs[r].to + j, runs[r].count - j);
+      for (std::size_t below = r + 1; below < runs.size(); ++below)
+        add(from + runs[below].from, to + runs[below].to, runs[below].count);
+    }
 }
 
 void update(const Factorisation& work, const Front& front, int first, int count, int begin) {
@@ -113,6 +119,16 @@ void factorize_subtree(Factorisation& work, int group) {
   if (work.is_definite) factorize_group(work, group);
 }
 
+std::vector<RowRun> runs_of(const std::vector<int>& above, int first) {
+  std::vector<RowRun> runs;
+  for (std::size_t i = 0; i < above.size(); ++i)
+    if (i > 0 && above[i] == above[i - 1] + 1)
+      ++runs.back().count;
+    else
+      runs.push_back({.from = first + int(i), .to = above[i], .count = 1});
+  return runs;
+}
+
 // where each of `rows` (ascending) stands among `all` (ascending)
 std::vector<int> places(const int* rows, const int* rows_end, const int* all) {
   std::vector<int> found;
@@ -130,7 +146,7 @@ FrontTree make_front_tree(const SupernodalView& pattern, const SystemMatrix& mat
   const auto count = std::size_t(pattern.num_groups);
   FrontTree tree{.parents = std::vector<int>(count, -1),
                  .children = std::vector<std::vector<int>>(count),
-                 .rows_above = std::vector<std::vector<int>>(count),
+                 .runs = std::vector<std::vector<RowRun>>(count),
                  .matrix_rows = std::vector<std::vector<int>>(count),
                  .work = std::vector<double>(count, 0)};
   std::vector<int> group_of(std::size_t(matrix.num_unknowns()));
@@ -151,7 +167,7 @@ FrontTree make_front_tree(const SupernodalView& pattern, const SystemMatrix& mat
     const int above = group_of[std::size_t(rows[columns])];
     tree.parents[g] = above;
     tree.children[above].push_back(g);
-    tree.rows_above[g] = places(rows + columns, rows_end, pattern.rows + pattern.row_starts[above]);
+    tree.runs[g] = runs_of(places(rows + columns, rows_end, pattern.rows + pattern.row_starts[above]), columns);
     tree.work[above] += tree.work[g];
   }
   return tree;

@@ -14,11 +14,16 @@
 
 namespace umax {
 
+/// Rows that follow each other in a front and in the one above.
+struct RowRun {
+  int from = 0, to = 0, count = 0;  // first row in the front, first row above
+};
+
 /// How the groups of a factor hang together; made once for a pattern.
 struct FrontTree {
   std::vector<int> parents;                   // of each group, -1: none
   std::vector<std::vector<int>> children;     // ascending
-  std::vector<std::vector<int>> rows_above;   // of a group's rows below its columns: their places in the front above
+  std::vector<std::vector<RowRun>> runs;      // of a group's rows below its columns
   std::vector<std::vector<int>> matrix_rows;  // of the matrix's numbers in a group's columns: their rows in its front
   std::vector<double> work;                   // [operations] of the group and all below it
 };
