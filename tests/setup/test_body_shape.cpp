@@ -127,3 +127,33 @@ TEST_CASE("others hit the outer faces of a body of hexes") {
   CHECK(largest_error(hexes, simulation.bodies[0].shape.mesh) < 1e-14);
   CHECK(nearest_point(*hexes.rest_surface, hexes.rest_pose.local({1, 2, 3}), 1).distance == Approx(-0.005));
 }
+
+TEST_CASE("scenes that share a library are set up as each alone, and cages of equal bodies are made once") {
+  const TemporaryFolder folder;
+  make_file(folder / "t.obj", tetrahedron(false));
+  const std::string mesh = "mesh = \"" + (folder / "t.obj").string() + "\"\nunit = \"cm\"\nup = \"z\"\n";
+  const std::string ground = "[obstacle.ground]\nshape = \"plane\"\n";
+  const auto text = [&](const std::string& of_a, const std::string& place_of_b = "[3.3, 1, 0]") {
+    return body("a", mesh + "position = [0, 1.1, 0]\n" + of_a) + body("b", mesh + "position = " + place_of_b + "\n") +
+           ground;
+  };
+  ShapeLibrary library{.keeps_cages = true};
+  std::vector<std::shared_ptr<const Embedding>> embeddings;
+  for (const std::string& one :
+       {text("limit.stretch = 0.1\n"), text("limit.stretch = 0.3\n"), text("", "[0.7, 2.3, 0]"), text("scale = 1.7\n"),
+        text("rotation = [3, 4, 5]\n"), text("material.young = 1e4\n")}) {
+    const Simulation alone = simulation_of(one);
+    const Simulation shared = set_up(parse_scene({.text = one}, {}), library);
+    CAPTURE(one);
+    CHECK(shared.digest == alone.digest);
+    CHECK(shared.warnings == alone.warnings);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(shared.bodies[i].shape.mesh.positions == alone.bodies[i].shape.mesh.positions);
+      CHECK(shared.bodies[i].lattice.rest_positions == alone.bodies[i].lattice.rest_positions);
+      CHECK(shared.bodies[i].embedding->local == alone.bodies[i].embedding->local);
+    }
+    embeddings.push_back(shared.bodies[0].embedding);
+  }
+  for (const std::size_t i : {1, 2, 5}) CHECK(embeddings[i] == embeddings[0]);
+  for (const std::size_t i : {3, 4}) CHECK(embeddings[i] != embeddings[0]);
+}

@@ -218,7 +218,7 @@ BenchRows tuning() {
                                                "body.figure.limit.stretch=2.5%,5%,7.5%,10%,15%,20%,30%,40%", "--set",
                                                "clip.frames=120", "-o", folder, "--quiet"});
   const double megabytes = double(std::filesystem::file_size(folder / "tune.html")) / 1e6;
-  return {at_most("umax tune: 8 variants of figure, 120 frames, 320x180", outcome.seconds / 60, 3, "min",
+  return {at_most("umax tune: 8 variants of figure, 120 frames, 320x180", outcome.seconds, 70, "s",
                   fmt::format("{:.0f} s of processors", outcome.cpu_seconds)),
           at_most("its page", megabytes, 25, "MB")};
 }

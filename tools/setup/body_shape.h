@@ -10,6 +10,8 @@
 
 #include "core/base/triangle_mesh.h"
 #include "core/model/rest_surface.h"
+#include "embedding/cage/voxelize.h"
+#include "embedding/embedding.h"
 #include "embedding/hex_files/hex_mesh_io.h"
 #include "embedding/mesh_record/mesh_file.h"
 #include "embedding/surface/placement.h"
@@ -40,7 +42,9 @@ struct OwnShape {
   Points loose_colors;              // #L x 3, or empty
 };
 
-/// What the bodies of a scene have in common: each shape is read once, and has one surface.
+/// What the bodies of a scene have in common: each shape is read once, and has one surface. Given to several calls of
+/// set_up(), one after the other, it saves those of scenes that differ in other things the same work: each is set up as if
+/// it were alone.
 struct ShapeLibrary {
   struct Shape {
     BodySource source;
@@ -57,9 +61,19 @@ struct ShapeLibrary {
     int place = -1;                 // of own->embedded_textures
     std::shared_ptr<const Image> image;
   };
-  std::vector<Shape> shapes;
-  std::vector<Surface> surfaces;
-  std::vector<Texture> textures;
+  struct Cage {
+    std::shared_ptr<const OwnShape> own;
+    Eigen::Affine3d world_from_file;
+    CageDescription description;
+    Lattice lattice;
+    CageReport report;
+    std::shared_ptr<const Embedding> embedding;
+  };
+  bool keeps_cages = false;  // for the scenes after this one
+  std::vector<Shape> shapes = {};
+  std::vector<Surface> surfaces = {};  // of one scene: as large as its first body of that shape
+  std::vector<Cage> cages = {};
+  std::vector<Texture> textures = {};
 };
 
 /// Reads or makes the shape unless the library has it. Throws Error (bad_data, not_found).

@@ -92,6 +92,16 @@ const BodySetup* find_twin(const Scene& scene, const std::vector<BodySetup>& cag
   return nullptr;
 }
 
+/// What is known of the very body from an earlier scene; null: nothing.
+const ShapeLibrary::Cage* find_cage(const ShapeLibrary& library, const BodyDescription& description,
+                                    const PlacedMesh& shape) {
+  for (const ShapeLibrary::Cage& cage : library.cages)
+    if (cage.own == shape.own && cage.world_from_file.matrix() == shape.world_from_file.matrix() &&
+        has_same_cage(cage.description, description.cage))
+      return &cage;
+  return nullptr;
+}
+
 /// The twin's cage, moved.
 void take_cage(const BodySetup& twin, BodySetup& setup) {
   const Vector3d by = setup.shape.world_from_file.translation() - twin.shape.world_from_file.translation();
@@ -117,10 +127,19 @@ BodySetup cage_body(const Scene& scene, const std::vector<BodySetup>& caged, con
       take_cage(*twin, setup);
       return 0;
     }
+    if (const ShapeLibrary::Cage* known = shape.hexes ? nullptr : find_cage(library, description, shape)) {
+      setup.lattice = known->lattice;
+      setup.cage = known->report;
+      setup.embedding = known->embedding;
+      return 0;
+    }
     setup.lattice = shape.hexes ? make_hex_cage(shape.mesh, shape.hexes->mesh.nodes, shape.hexes->mesh.hexes,
                                                 {.is_the_body = shape.hexes->are_the_body()}, &setup.cage)
                                 : voxelize(shape.mesh, cage_options(description.cage), &setup.cage);
     setup.embedding = std::make_shared<const Embedding>(embed(setup.shape.mesh, setup.lattice));
+    if (library.keeps_cages && !shape.hexes)
+      library.cages.push_back(
+          {shape.own, shape.world_from_file, description.cage, setup.lattice, setup.cage, setup.embedding});
     return 0;
   });
   return setup;
@@ -243,6 +262,12 @@ void warn_of_creases(Simulation& simulation) {
 }  // namespace
 
 Simulation set_up(const Scene& scene, const CageWatch& watch) {
+  ShapeLibrary library;
+  return set_up(scene, library, watch);
+}
+
+Simulation set_up(const Scene& scene, ShapeLibrary& library, const CageWatch& watch) {
+  library.surfaces.clear();
   Simulation simulation;
   simulation.scene = scene;
   read_camera(simulation.scene.camera);
@@ -250,7 +275,6 @@ Simulation set_up(const Scene& scene, const CageWatch& watch) {
   simulation.options.gravity = scene.clip.gravity.at(0);
   simulation.options.solver = scene.solver;
 
-  ShapeLibrary library;
   std::vector<Obstacle> obstacles;
   for (const ObstacleDescription& description : scene.obstacles)
     obstacles.push_back(make_obstacle(description, scene.clip, simulation.obstacles.emplace_back(), library));

@@ -65,6 +65,9 @@ using CageWatch = std::function<void(const std::vector<BodySetup>&)>;
 /// Throws Error (bad_data, not_found) that names the body, obstacle or probe and what is wrong.
 Simulation set_up(const Scene& scene, const CageWatch& watch = {});
 
+/// The same with what earlier calls have left in the library, and leaves more there.
+Simulation set_up(const Scene& scene, ShapeLibrary& library, const CageWatch& watch = {});
+
 /// Simulation::digest of a simulation whose scene and model have been changed alike.
 Digest digest_of(const Simulation& simulation);
 

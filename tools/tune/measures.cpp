@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/parallel.h"
 #include "tools/pictures/heat.h"
 #include "tools/pictures/shot.h"
 #include "tools/run/run_folder.h"
@@ -33,42 +34,61 @@ std::vector<double> heights(const Simulation& simulation, const Points& nodes, B
   return result;
 }
 
-void measure_frames(const Simulation& simulation, const std::filesystem::path& run, VariantMeasures& measures) {
+/// What is read off one state.
+struct FrameMeasures {
+  double time = 0;
+  std::vector<double> heights;  // [m] of the bodies
+  Box box;
   HeatRange range;
-  std::vector<double> at_start;
-  std::vector<std::vector<double>> all_heights;  // of all bodies, one a frame
+};
+
+/// Of all states of the run, read side by side.
+std::vector<FrameMeasures> read_frames(const Simulation& simulation, const std::filesystem::path& run) {
+  std::vector<FrameMeasures> frames(std::size_t(simulation.last_frame()));
+  parallel_blocks(simulation.last_frame(), 1, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const State state = read_state(state_path(run, int(i) + 1), simulation.model, simulation.digest);
+      FrameMeasures& frame = frames[std::size_t(i)];
+      frame.time = state.time;
+      frame.heights = heights(simulation, state.positions, frame.box);
+      extend(frame.range, simulation, state);
+    }
+  });
+  return frames;
+}
+
+void measure_frames(const Simulation& simulation, const std::filesystem::path& run, VariantMeasures& measures) {
+  const std::vector<FrameMeasures> frames = read_frames(simulation, run);
+  const std::vector<double>& at_start = frames.front().heights;
   std::size_t lowest = 0;
   const int substeps = simulation.scene.clip.substeps;
   const std::vector<double>& energy = measures.steps.columns.at("elastic_energy_J");
-  for (int frame = 1; frame <= simulation.last_frame(); ++frame) {
-    const State state = read_state(state_path(run, frame), simulation.model, simulation.digest);
-    const std::vector<double> now = heights(simulation, state.positions, measures.box);
-    if (frame == 1) at_start = now;
-    all_heights.push_back(now);
-    for (std::size_t i = 0; i < now.size(); ++i)
-      if (frame == 1 || now[i] / at_start[i] < measures.least_share) {
-        measures.least_share = now[i] / at_start[i];
-        measures.least_height = now[i];
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const FrameMeasures& frame = frames[k];
+    for (std::size_t i = 0; i < frame.heights.size(); ++i)
+      if (k == 0 || frame.heights[i] / at_start[i] < measures.least_share) {
+        measures.least_share = frame.heights[i] / at_start[i];
+        measures.least_height = frame.heights[i];
         lowest = i;
       }
-    extend(range, simulation, state);
-    const std::size_t row = std::size_t((frame - 1) * substeps);
+    measures.box.extend(frame.box);
+    measures.largest_stretch = std::max(measures.largest_stretch, frame.range.largest);
+    const std::size_t row = k * std::size_t(substeps);
     const double elastic = row == 0 || row > energy.size() ? 0 : energy[row - 1];
-    measures.stretch.push_back(std::sqrt(std::max(elastic, 0.0) / energy_scale(simulation.model, state.time)));
+    measures.stretch.push_back(std::sqrt(std::max(elastic, 0.0) / energy_scale(simulation.model, frame.time)));
   }
-  measures.largest_stretch = range.largest;
   Box placed;
   const double height = heights(simulation, simulation.model.rest_positions, placed)[lowest];
   measures.lowest_body = simulation.bodies[lowest].name;
-  for (const std::vector<double>& now : all_heights) measures.shares.push_back(now[lowest] / height);
+  for (const FrameMeasures& frame : frames) measures.shares.push_back(frame.heights[lowest] / height);
 }
 
 }  // namespace
 
-VariantMeasures measure(const Scene& scene, const std::filesystem::path& run) {
+VariantMeasures measure(const Scene& scene, const std::filesystem::path& run, ShapeLibrary& library) {
   Scene stretch_of = scene;
   stretch_of.render.heatmap = Heatmap::stretch;
-  const Simulation simulation = set_up(stretch_of);
+  const Simulation simulation = set_up(stretch_of, library);
   VariantMeasures measures;
   measures.hexes = int(simulation.model.num_hexes());
   measures.steps = read_steps(run / "steps.csv", steps_header(probe_names(scene)));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/run/steps_csv.h"
+#include "tools/setup/body_shape.h"
 #include "tools/setup/camera_framing.h"
 
 namespace umax {
@@ -27,8 +28,9 @@ struct VariantMeasures {
   Box box;                  // around all surfaces in all frames
 };
 
-/// Measures a whole run of this scene. Throws Error as reading it does.
-VariantMeasures measure(const Scene& scene, const std::filesystem::path& run);
+/// Measures a whole run of this scene; what the library knows of other variants is not made again. Throws Error as reading
+/// it does.
+VariantMeasures measure(const Scene& scene, const std::filesystem::path& run, ShapeLibrary& library);
 
 /// The frame, from 1, at which the variants are stretched most: the largest sum of their measures' `stretch`.
 int worst_frame(const std::vector<VariantMeasures>& measures);

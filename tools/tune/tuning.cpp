@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
 #include "core/files/write_file.h"
 #include "tools/run/run_record.h"
 #include "tools/system/signals.h"
@@ -93,14 +92,13 @@ void share_camera(const std::vector<VariantMeasures>& measures, std::vector<Scen
 void measure_all(const std::vector<Scene>& scenes, const TunePlan& plan, const TuneFolder& folder, const Runner& runner,
                  std::vector<VariantMeasures>& measures) {
   measures.resize(scenes.size());
-  parallel_blocks(Eigen::Index(scenes.size()), 1, [&](Eigen::Index begin, Eigen::Index end) {
-    for (std::size_t i = std::size_t(begin); i < std::size_t(end); ++i) {
-      if (!runner.is_fine(i) || stop_signal() != 0) continue;
-      const fs::path run = folder.run(plan.variants[i].variant.name);
-      if (measures[i].hexes == 0) measures[i] = measure(scenes[i], run);
-      if (const auto record = read_run_record(run / "run.json")) measures[i].wall_seconds = record->seconds();
-    }
-  });
+  ShapeLibrary library{.keeps_cages = true};
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (!runner.is_fine(i) || stop_signal() != 0) continue;
+    const fs::path run = folder.run(plan.variants[i].variant.name);
+    if (measures[i].hexes == 0) measures[i] = measure(scenes[i], run, library);
+    if (const auto record = read_run_record(run / "run.json")) measures[i].wall_seconds = record->seconds();
+  }
 }
 
 std::string list_of(const std::vector<std::string>& words) {
