@@ -325,8 +325,9 @@ TEST_CASE("work is shared with another host, and what it leaves when it dies is 
   CHECK(drawn < clip_frames);
   // however slow the machine is, its lease ends only when nothing else is left to draw
   const ProcessResult rest =
-      run_script(here + "> \"${1%/*}/2.log\" & while kill -0 $! 2> /dev/null && ! grep -qs 'waiting for frames' "
-                        "\"${1%/*}/2.log\"; do touch -c \"$1\"/.umax/*; sleep 0.1; done; wait $!",
+      run_script(here +
+                     "> \"${1%/*}/2.log\" & while kill -0 $! 2> /dev/null && ! grep -qs 'waiting for frames' "
+                     "\"${1%/*}/2.log\"; do touch -c \"$1\"/.umax/*; sleep 0.1; done; wait $!",
                  lost);
   CHECK(rest.exit_code == 0);
   CHECK(file_text(folder / "2.log").find("waiting for frames") != std::string::npos);

@@ -98,8 +98,9 @@ TEST_CASE("a deadline ends a run with what is complete, and it goes on") {
   CHECK(file_text(folder / "run/run.json").find("\"exit_status\": 75") != std::string::npos);
   CHECK(!has_half_written_files(run));
   std::size_t kept = files_in(folder / "run/states").size();
-  for (const std::size_t wanted : {kept + 1, kept + 2}) {  // more after the first call, and more than that after another
-    for (const char* longer : {"600ms", "3 s", "20 s"})    // as long as a busy machine needs
+  for (const std::size_t wanted :
+       {kept + 1, kept + 2}) {                           // more after the first call, and more than that after another
+    for (const char* longer : {"600ms", "3 s", "20 s"})  // as long as a busy machine needs
       if (kept < wanted) {
         CHECK(exit_code_of(simulate + Words{longer, "--resume"}) == 75);
         const std::size_t now = files_in(folder / "run/states").size();
