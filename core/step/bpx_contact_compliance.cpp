@@ -5,10 +5,13 @@
 #include <cmath>
 #include <map>
 
+#include "core/step/contact_forces.h"
+
 namespace umax {
 namespace {
 
 constexpr Eigen::Index most_measurements = 8;
+constexpr std::size_t most_dense = 100;     // contacts whose compliance is one dense matrix
 constexpr double least_independence = 0.1;  // [-] of a measured force from the others, in the norm of the response
 
 using Share = BpxContactCompliance::Share;
@@ -210,6 +213,32 @@ VectorXd apply_unmeasured(const BpxContactCompliance& compliance, const VectorXd
   return motions;
 }
 
+// B between all contacts
+MatrixXd dense_matrix(const BpxContactCompliance& compliance) {
+  const int count = int(compliance.blocks.size());
+  MatrixXd matrix(3 * count, 3 * count);
+  for (int column = 0; column < 3 * count; ++column) {
+    Motion motion = at_rest(compliance);
+    push(compliance, column / 3, Vector3d::Unit(column % 3), motion);
+    for (int i = 0; i < count; ++i) matrix.col(column).segment<3>(3 * i) = motion_of(compliance, i, motion);
+  }
+  return 0.5 * (matrix + matrix.transpose());
+}
+
+// W of contacts that push one body, each at a point of its own
+Delassus delassus_of(const BpxContactCompliance& compliance) {
+  Delassus delassus;
+  delassus.bodies.resize(1);
+  MatrixXd& W = delassus.bodies.front().W;
+  W = compliance.dense;
+  if (compliance.factors.cols() > 0) W += compliance.factors * compliance.middle * compliance.factors.transpose();
+  for (int i = 0; i < int(compliance.blocks.size()); ++i) {
+    delassus.sides.push_back({.body = 0, .point = i});
+    delassus.first_side.push_back(i + 1);
+  }
+  return delassus;
+}
+
 }  // namespace
 
 BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
@@ -221,6 +250,7 @@ BpxContactCompliance make_bpx_contact_compliance(const Model& model, const Multi
   for (std::size_t body = 0; body < system.bodies.size(); ++body)
     add_body(model, int(body), system.bodies[body], supports, compliance);
   for (int i = 0; i < int(contacts.size()); ++i) compliance.blocks.push_back(contact_block(compliance, i));
+  if (system.bodies.size() == 1 && contacts.size() <= most_dense) compliance.dense = dense_matrix(compliance);
   return compliance;
 }
 
@@ -274,8 +304,9 @@ void learn(const VectorXd& forces, const VectorXd& response, BpxContactComplianc
   }
 }
 
-int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
-                 const GaussSeidelOptions& options, VectorXd& forces) {
+int solve_contacts(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+                   const GaussSeidelOptions& options, VectorXd& forces) {
+  if (compliance.dense.size() > 0) return solve_contacts(delassus_of(compliance), rows, q, options, forces).sweeps;
   const int count = int(rows.size());
   const MatrixXd &factors = compliance.factors, &middle = compliance.middle;
   const bool measured = factors.cols() > 0;

@@ -41,6 +41,7 @@ struct BpxContactCompliance {
   MatrixXd forces, responses;           // S, Y: a column for each measurement
   MatrixXd factors;                     // B S beside Y
   MatrixXd middle;                      // so that W = B + factors middle factors^T
+  MatrixXd dense;                       // B as one matrix, of few contacts of one body; empty: others
 };
 
 BpxContactCompliance make_bpx_contact_compliance(const Model& model, const MultigridSystem& system,
@@ -56,8 +57,9 @@ void learn(const VectorXd& forces, const VectorXd& response, BpxContactComplianc
 void add_changes(const BpxContactCompliance& compliance, int contact, const Vector3d& change, const Vector3d& force,
                  ForceChanges& changes);
 
-/// Projected Gauss-Seidel for W: improves the forces in place. Returns the sweeps.
-int gauss_seidel(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
+/// Contact forces for W: improves them in place, by projected Gauss-Seidel, of few contacts of one body by what
+/// core/step/contact_forces.h has beside it. Returns the sweeps.
+int solve_contacts(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
                  const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

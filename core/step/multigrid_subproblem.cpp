@@ -97,8 +97,8 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
   for (int i = 0; i < max_corrections; ++i) {
     const VectorXd w = before + motions;
     VectorXd forces = solution.forces;
-    gauss_seidel(compliance, rows, w - apply(compliance, forces),
-                 {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
+    solve_contacts(compliance, rows, w - apply(compliance, forces),
+                   {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
     const VectorXd change = forces - solution.forces;
     ForceChanges changes(model.bodies.size());
     for (int c = 0; c < int(iterate.contacts.size()); ++c)

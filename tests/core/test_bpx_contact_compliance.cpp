@@ -71,9 +71,13 @@ TEST_CASE("a compliance that has learnt responses gives them again, and stays sy
   CHECK((apply(compliance, again) - compliance.responses.rightCols(1)).norm() <= 1e-9);
 }
 
-TEST_CASE("sweeps over the multilevel compliance end where those over its matrix do") {
+TEST_CASE("contacts on the multilevel compliance are solved as on its matrix, be it made or not") {
   Resting resting;
   BpxContactCompliance compliance = make_bpx_contact_compliance(resting.model, resting.system, resting.contacts);
+  REQUIRE(compliance.dense.rows() == 3 * Eigen::Index(resting.contacts.size()));
+  const MatrixXd unmeasured = matrix_of(compliance, compliance.dense.rows());
+  CHECK((compliance.dense - unmeasured).cwiseAbs().maxCoeff() <= 1e-6 * unmeasured.cwiseAbs().maxCoeff());
+  if (GENERATE(false, true)) compliance.dense.resize(0, 0);  // as of many contacts
   const Eigen::Index size = 3 * Eigen::Index(resting.contacts.size());
   learn_random(resting, GENERATE(0, 3), compliance);
   ComplementarityProblem problem;
@@ -84,7 +88,7 @@ TEST_CASE("sweeps over the multilevel compliance end where those over its matrix
   for (const Contact& contact : resting.contacts) problem.contacts.push_back({contact.normal, contact.friction, 0});
   VectorXd expected = VectorXd::Zero(size), forces = expected;
   REQUIRE(gauss_seidel(problem, {.max_sweeps = 20000, .tolerance = 1e-10}, expected).converged);
-  gauss_seidel(compliance, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
+  solve_contacts(compliance, problem.contacts, problem.q, {.max_sweeps = 20000, .tolerance = 1e-10}, forces);
   CHECK(expected.maxCoeff() > 0);
   CHECK((forces - expected).cwiseAbs().maxCoeff() <= 1e-5 * expected.cwiseAbs().maxCoeff());
 }
