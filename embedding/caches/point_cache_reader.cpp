@@ -39,6 +39,8 @@ void require_counts(const std::filesystem::path& path, std::int32_t frames, std:
                     const VertexCounts& wanted) {
   if (frames < 1)
     refuse(path, fmt::format("has {} frames", frames), "export the animation again, with one frame at least");
+  if (vertices < 1)
+    refuse(path, fmt::format("has {} vertices", vertices), "export the animation again, of the mesh that moves");
   if (vertices != wanted.all && vertices != wanted.used)
     refuse(path, fmt::format("has {} vertices, but the mesh has {}", vertices, wanted.all),
            "give the mesh that was animated, in the same order of vertices and without modifiers that change their "

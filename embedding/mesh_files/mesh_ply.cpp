@@ -191,6 +191,7 @@ class PlyReader {
       if (roles.back() == 3 && property.type == NumberType::uint16) scale = 65535;
     }
     if (!has[0] || !has[1] || !has[2]) scan_.refuse("has vertices without x, y and z");
+    if (element.count < 1) scan_.refuse("has no vertices");
     Eigen::Matrix<double, Eigen::Dynamic, 8, Eigen::RowMajor> values =
         Eigen::Matrix<double, Eigen::Dynamic, 8, Eigen::RowMajor>::Zero(element.count, 8);
     for (Eigen::Index v = 0; v < element.count; ++v)
