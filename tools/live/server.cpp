@@ -9,6 +9,8 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <cstring>
+#include <deque>
 #include <map>
 #include <optional>
 #include <utility>
@@ -16,7 +18,6 @@
 #include "core/base/error.h"
 #include "tools/live/access.h"
 #include "tools/live/answers.h"
-#include "tools/live/watcher.h"
 
 namespace umax {
 namespace {
@@ -24,15 +25,45 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
+namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 using Code = beast::error_code;
 
 constexpr int most_connections = 64, most_watchers = 8;
+constexpr std::size_t most_texts = 256;    // that wait for a watcher; one that takes none is sent away
+constexpr std::size_t most_in_flight = 2;  // pictures that a browser has not drawn yet
 constexpr auto http_patience = std::chrono::seconds(30);
 
 class Server;
+
+/// A browser that watches.
+class Watcher : public std::enable_shared_from_this<Watcher> {
+ public:
+  Watcher(Server& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
+  void start(const Request& request);
+  void send(const std::string& text);
+  void show(const std::shared_ptr<const std::string>& picture);
+  void begin_anew(const std::string& hello);
+  void end() { close(websocket::close_code::going_away); }
+
+ private:
+  void read();
+  void on_message(std::string_view text);
+  void write_next();
+  void close(websocket::close_code code);
+  void leave();
+
+  Server& server_;
+  websocket::stream<beast::tcp_stream> stream_;
+  beast::flat_buffer buffer_;
+  std::deque<std::string> texts_;
+  std::shared_ptr<const std::string> next_, writing_picture_;
+  std::deque<std::uint32_t> in_flight_;
+  std::string writing_text_;
+  bool is_writing_ = false, is_open_ = false, is_closing_ = false;
+};
 
 /// A connection that asks for files, and may become a watcher.
 class Visit : public std::enable_shared_from_this<Visit> {
@@ -58,16 +89,13 @@ class Server {
 
   Response answer(const Request& request);
   bool may_watch(const Request& request) const;
-
-  int connections = 0;
-  const WatcherEars ears{.came = [this](const auto& watcher) { come(watcher); },
-                         .left = [this](const auto& watcher) { leave(watcher); },
-                         .wished = [this](const auto& watcher, const Message& message) { take(watcher, message); }};
-
- private:
   void come(const std::shared_ptr<Watcher>& watcher);
   void leave(const std::shared_ptr<Watcher>& watcher);
   void take(const std::shared_ptr<Watcher>& watcher, const Message& message);
+
+  int connections = 0;
+
+ private:
   void listen();
   void accept();
   void look();
@@ -87,6 +115,96 @@ class Server {
   std::string hello_;
   LiveLoop loop_;  // last: it ends first
 };
+
+// ---- watchers
+
+void Watcher::start(const Request& request) {
+  stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  stream_.read_message_max(longest_message);
+  stream_.auto_fragment(false);
+  stream_.async_accept(request, [self = shared_from_this()](Code code) {
+    if (code) return self->leave();
+    self->is_open_ = true;
+    self->server_.come(self);
+    self->read();
+  });
+}
+
+void Watcher::read() {
+  stream_.async_read(buffer_, [self = shared_from_this()](Code code, std::size_t) {
+    if (code) return self->leave();
+    const std::string text = beast::buffers_to_string(self->buffer_.data());
+    self->buffer_.consume(self->buffer_.size());
+    if (!self->stream_.got_text()) return self->close(websocket::close_code::unknown_data);
+    self->on_message(text);
+  });
+}
+
+void Watcher::on_message(std::string_view text) {
+  const std::optional<Message> message = decode_message(text);
+  if (!message) return close(websocket::close_code::policy_error);
+  if (message->wish == Wish::seen) {
+    while (!in_flight_.empty() && in_flight_.front() <= std::uint32_t(message->frame)) in_flight_.pop_front();
+    write_next();
+  } else {
+    server_.take(shared_from_this(), *message);
+  }
+  if (!is_closing_) read();
+}
+
+void Watcher::send(const std::string& text) {
+  if (texts_.size() >= most_texts) return close(websocket::close_code::try_again_later);
+  texts_.push_back(text);
+  write_next();
+}
+
+void Watcher::show(const std::shared_ptr<const std::string>& picture) {
+  next_ = picture;  // in place of one that has waited too long
+  write_next();
+}
+
+void Watcher::begin_anew(const std::string& hello) {
+  next_ = nullptr;  // of meshes that are no more
+  send(hello);
+}
+
+void Watcher::write_next() {
+  if (!is_open_ || is_writing_ || is_closing_) return;
+  const auto done = [self = shared_from_this()](Code code, std::size_t) {
+    self->is_writing_ = false;
+    if (!code) self->write_next();
+  };
+  if (!texts_.empty()) {
+    is_writing_ = true;
+    writing_text_ = std::move(texts_.front());
+    texts_.pop_front();
+    stream_.text(true);
+    stream_.async_write(asio::buffer(writing_text_), done);
+  } else if (next_ && in_flight_.size() < most_in_flight) {
+    is_writing_ = true;
+    writing_picture_ = std::exchange(next_, nullptr);
+    std::uint32_t number = 0;
+    std::memcpy(&number, writing_picture_->data() + 4, sizeof number);
+    in_flight_.push_back(number);
+    stream_.binary(true);
+    stream_.async_write(asio::buffer(*writing_picture_), done);
+  }
+}
+
+void Watcher::close(websocket::close_code code) {
+  if (is_closing_) return;
+  is_closing_ = true;
+  if (is_open_ && !is_writing_)
+    stream_.async_close(code, [self = shared_from_this()](Code) { self->leave(); });
+  else
+    leave();
+}
+
+void Watcher::leave() {
+  is_closing_ = true;
+  beast::get_lowest_layer(stream_).close();
+  server_.leave(shared_from_this());
+}
 
 // ---- visits
 
@@ -109,9 +227,9 @@ void Visit::read() {
 
 void Visit::answer() {
   const Request request = parser_->release();
-  if (beast::websocket::is_upgrade(request) && server_.may_watch(request)) {
+  if (websocket::is_upgrade(request) && server_.may_watch(request)) {
     stream_.expires_never();
-    std::make_shared<Watcher>(server_.ears, stream_.release_socket())->start(request);
+    std::make_shared<Watcher>(server_, stream_.release_socket())->start(request);
     return;
   }
   response_.emplace(server_.answer(request));
