@@ -75,13 +75,19 @@ PointSamples read_pc2(const std::filesystem::path& path, std::string_view bytes,
   const auto vertices = value_at<std::int32_t>(bytes, 16, false), frames = value_at<std::int32_t>(bytes, 28, false);
   const auto start = value_at<float>(bytes, 20, false), sampling = value_at<float>(bytes, 24, false);
   require_counts(path, frames, vertices, wanted);
-  if (!std::isfinite(start) || !std::isfinite(sampling) || (frames > 1 && !(sampling > 0)))
+  const auto refuse_times = [&] {
     refuse(path, fmt::format("starts at {:g} and has a frame every {:g}: no times", start, sampling),
            "export the animation again");
+  };
+  if (!std::isfinite(start) || !std::isfinite(sampling)) refuse_times();
   require_size(path, bytes, pc2_header_size, frames, vertices);
   PointSamples samples{
       .times = {}, .are_frames = double(sampling) >= least_frames, .num_vertices = vertices, .positions = {}};
-  for (std::int32_t k = 0; k < frames; ++k) samples.times.push_back(double(start) + k * double(sampling));
+  for (std::int32_t k = 0; k < frames; ++k) {
+    const double time = double(start) + k * double(sampling);
+    if (k > 0 && !(time > samples.times.back())) refuse_times();
+    samples.times.push_back(time);
+  }
   read_positions(bytes.substr(pc2_header_size), false, samples);
   return samples;
 }
