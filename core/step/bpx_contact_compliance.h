@@ -60,6 +60,6 @@ void add_changes(const BpxContactCompliance& compliance, int contact, const Vect
 /// Contact forces for W: improves them in place, by projected Gauss-Seidel, of few contacts of one body by what
 /// core/step/contact_forces.h has beside it. Returns the sweeps.
 int solve_contacts(const BpxContactCompliance& compliance, const std::vector<ContactRow>& rows, const VectorXd& q,
-                 const GaussSeidelOptions& options, VectorXd& forces);
+                   const GaussSeidelOptions& options, VectorXd& forces);
 
 }  // namespace umax

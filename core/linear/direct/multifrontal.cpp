@@ -182,6 +182,8 @@ bool factorize(const FrontTree& tree, const SupernodalView& pattern, const Syste
                      .fronts = std::vector<std::unique_ptr<double[]>>(std::size_t(pattern.num_groups))};
   for (int group = 0; group < pattern.num_groups; ++group)
     if (tree.parents[std::size_t(group)] < 0) factorize_subtree(work, group);
+  // which groups came to their turn depends on the threads
+  if (!work.is_definite) std::fill(values, values + pattern.value_starts[pattern.num_groups], 0.0);
   return work.is_definite;
 }
 

@@ -31,7 +31,7 @@ struct FrontTree {
 /// pattern: the groups of the factor (its values are not read); matrix: any one with this pattern.
 FrontTree make_front_tree(const SupernodalView& pattern, const SystemMatrix& matrix);
 
-/// Writes L to values, where the pattern says. False if the matrix is not positive definite; values then mean nothing.
+/// Writes L to values, where the pattern says. False if the matrix is not positive definite; values are all 0 then.
 /// The same bits for any number of threads.
 bool factorize(const FrontTree& tree, const SupernodalView& pattern, const SystemMatrix& matrix, double* values);
 
