@@ -27,6 +27,7 @@ struct Lines {
   const T* nodes[row_lines];
   const T* next_nodes[row_lines];  // in the bricks above
   const S* frames[rows];           // null: no cells
+  unsigned cell_rows = 0;          // bit j: row j has cells
 };
 
 // place of a line of the halo: which brick along the axis, and its index there
@@ -44,6 +45,7 @@ UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p
   const Brick& node_brick = sweep.bricks[run.bricks[here]];
   const Brick& cell_brick = sweep.bricks[run.bricks[below]];
   const int di = brick_step(p - brick_edge * here), below_di = brick_step(p - 1 - brick_edge * below);
+  lines.cell_rows = 0;
   for (int j = -1; j <= brick_edge; ++j) {
     const int line = brick_edge * (p & (brick_edge - 1)) + (j & (brick_edge - 1));
     const std::int32_t* near = node_brick.near + near_index(di, brick_step(j), 0);
@@ -54,6 +56,7 @@ UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p
     const int brick = cell_brick.near[near_index(below_di, brick_step(j), 0)];
     const bool has_cells = sweep.bricks[brick].cell_lines >> cell_line & 1;
     lines.frames[j + 1] = has_cells ? sweep.frames + line_offset(brick, cell_line, frame_components) : nullptr;
+    lines.cell_rows |= unsigned(has_cells) << (j + 1);
   }
 }
 
@@ -140,26 +143,35 @@ UMAX_INLINE void finish_line(const Vec<T> (&h)[2][3], int v, Vec<T>* above, T* l
   }
 }
 
+// Rows of cells before the lower of two node planes, between them and behind the upper one, a bit each.
+struct CellRows {
+  unsigned before, between, behind;
+};
+
 // One vector of cells along z for all rows between two node planes: completes the lower plane, which is plane p - 1 of
-// the run, where it is one of the run's own.
+// the run, where it is one of the run's own. What would only add zeros is left out: much of a brick may be empty.
 template <class T, class S, Epilogue E>
 UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, const BrickRun& run,
-                             const Lines<T, S>& lines, int p, int v, Tile<T>& tile, Vec<T>& sum) {
+                             const Lines<T, S>& lines, const CellRows& cells, int p, int v, Tile<T>& tile,
+                             Vec<T>& sum) {
   using V = Vec<T>;
   V left[2][3], carried[2][3];
   for (int c = 0; c < 3; ++c) carried[0][c] = carried[1][c] = V{};
   const int column = p > 0 ? (p - 1) / brick_edge : 0, first_line = brick_edge * ((p - 1) & (brick_edge - 1));
   const std::uint64_t own_lines = p > 0 ? sweep.bricks[run.bricks[column]].node_lines >> first_line : 0;
-  transform_line(lines, 0, v, left);
+  const unsigned seen = cells.between | cells.behind, pushing = cells.before | cells.between;
   for (int row = 0; row < rows; ++row) {
     V right[2][3], forces[8][3], h[2][3];
     const V(&before)[4][3] = tile.plane_modes[~p & 1][v][row];
     V(&after)[4][3] = tile.plane_modes[p & 1][v][row];
     V(&upper)[4][3] = tile.upper_forces[v][row];
-    transform_line(lines, row + 1, v, right);
-    transform_row(right, left, after);
-    end_of_stage(left);
-    end_of_stage(after);
+    if (seen >> row & 1) {
+      if (row == 0 || !(seen >> (row - 1) & 1)) transform_line(lines, row, v, left);
+      transform_line(lines, row + 1, v, right);
+      transform_row(right, left, after);
+      end_of_stage(left);
+      end_of_stage(after);
+    }
     if (p < 0) continue;
 
     if (const S* frames = lines.frames[row]) {
@@ -169,12 +181,15 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
       end_of_stage(carried[0]);
       end_of_stage(h[0]);
       spread_odd<T>(frames, forces, upper, carried[1], h[1]);
-    } else {
+    } else if ((pushing | pushing << 1) >> row & 1) {
       for (int part = 0; part < 2; ++part)
         for (int c = 0; c < 3; ++c) {
           spread(V(upper[part][c]), V(upper[2 + part][c]), carried[part][c], h[part][c]);
           upper[part][c] = upper[2 + part][c] = V{};
         }
+    } else {
+      for (int part = 0; part < 2; ++part)
+        for (int c = 0; c < 3; ++c) h[part][c] = V{};
     }
     if (row == 0 || !(own_lines >> (row - 1) & 1)) continue;
     const int line = first_line + row - 1;
@@ -189,7 +204,7 @@ double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRu
   using V = Vec<T>;
   const Lanes<T> lanes = broadcast_all(sweep);
   Tile<T> tile;
-  Lines<T, S> lines;
+  Lines<T, S> lines[2];  // of a plane and the next one
   double total = 0;
   for (const BrickRun* run = first; run < last; ++run) {
     for (int n = 0; n < run->count; ++n)
@@ -200,9 +215,15 @@ double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRu
         for (auto& half : halves)
           for (V& value : half) value = V{};
     V sum{};
-    for (int p = -1; p <= brick_edge * run->count; ++p) {
-      find_lines(sweep, *run, p, lines);
-      for (int v = 0; v < vectors<T>; ++v) sweep_plane<T, S, E>(sweep, lanes, *run, lines, p, v, tile, sum);
+    const int last_plane = brick_edge * run->count;
+    CellRows cells{};
+    find_lines(sweep, *run, -1, lines[1]);
+    for (int p = -1; p <= last_plane; ++p) {
+      const Lines<T, S>& here = lines[p & 1];
+      Lines<T, S>& next = lines[~p & 1];
+      if (p < last_plane) find_lines(sweep, *run, p + 1, next);
+      cells = {cells.between, here.cell_rows, p < last_plane ? next.cell_rows : 0};
+      for (int v = 0; v < vectors<T>; ++v) sweep_plane<T, S, E>(sweep, lanes, *run, here, cells, p, v, tile, sum);
     }
     total += sum_of_lanes<T>(sum);
   }

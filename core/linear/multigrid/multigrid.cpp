@@ -75,7 +75,8 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
     MultigridLevel& level = multigrid.levels.emplace_back();
     level.shape = make_box_shape(bricks.cell_size, poisson);
     level.op = make_hex_operator(std::move(bricks), level.shape, options.instruction_set);
-    level.steps = chebyshev_steps(largest_jacobi_eigenvalue(level.shape), options.degree);
+    level.largest_eigenvalue = largest_jacobi_eigenvalue(level.shape);
+    level.steps = chebyshev_steps(level.largest_eigenvalue, options.degree);
   };
   add_level(std::move(lattice));
   const Eigen::Index largest_dense =

@@ -145,7 +145,7 @@ int smooth_coupled(MultigridLevel& grid, SaddlePointLevel& level, float w, const
 }
 
 float damping_of(const MultigridLevel& grid) {
-  return float(damping / largest_jacobi_eigenvalue(grid.shape));
+  return float(damping / grid.largest_eigenvalue);
 }
 
 AlignedArray<float>& solve_last(Multigrid& multigrid, const SaddlePointMultigrid& coupled, const AlignedArray<float>& b,
