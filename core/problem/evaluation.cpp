@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/model/hex_batches.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_contacts.h"
 
@@ -76,18 +77,21 @@ VectorXd push_of(const Model& model, const std::vector<Contact>& contacts) {
 }
 
 // energy and gradient of one limit of a hex whose elastic ones are known
-void evaluate_limit(const StepProblem& problem, int l, const CorotatedHex& hex, Evaluation& evaluation) {
+void evaluate_limit(const StepProblem& problem, int l, const HexBatch& batch, int lane, Evaluation& evaluation) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
   const HexLimit& limit = model.limits[l];
   const double young = problem.materials.young[limit.hex];
   const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
-  evaluation.energy[l] =
-      true_whole ? evaluation.elastic_energy[limit.hex] : limited_energy(model, solver.energy, limit, young, hex);
-  if (evaluation.limit.cols() == 0) return;
-  if (true_whole && solver.jacobian == LimitJacobian::exact)
-    evaluation.limit.col(l) = evaluation.elastic.col(limit.hex);
-  else
+  const bool own_gradients = evaluation.limit.cols() > 0;
+  if (true_whole) evaluation.energy[l] = evaluation.elastic_energy[limit.hex];
+  if (true_whole && solver.jacobian == LimitJacobian::exact) {
+    if (own_gradients) evaluation.limit.col(l) = evaluation.elastic.col(limit.hex);
+    return;
+  }
+  const CorotatedHex hex = corotated_hex(batch, lane);
+  if (!true_whole) evaluation.energy[l] = limited_energy(model, solver.energy, limit, young, hex);
+  if (own_gradients)
     evaluation.limit.col(l) =
         limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, young, hex);
 }
@@ -108,23 +112,21 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
   evaluation.elastic_energy.resize(model.num_hexes());
   evaluation.energy.resize(problem.materials.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) {
-      const HexShape& shape = model.shapes[model.hex_shape[e]];
-      const Matrix8x3d x = hex_nodes(model, positions, e);
-      const CorotatedHex hex = corotate(shape, solver.rotation, x);
+    const auto keep = [&](Eigen::Index e, const HexBatch& batch, int lane) {
       const double young = problem.materials.young[e];
-      const EnergyWithGradient elastic =
-          energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(solver.rotation)], hex);
-      evaluation.elastic_energy[e] = elastic.energy;
-      evaluation.elastic.col(e) = elastic.gradient;
+      evaluation.elastic_energy[e] = elastic_energy(young, batch, lane);
+      evaluation.elastic.col(e) = elastic_gradient(young, batch, lane);
       for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
-        evaluate_limit(problem, l, hex, evaluation);
-      if (damped) {
-        const Matrix8x3d velocity = (x - hex_nodes(model, problem.positions_t0, e)) / problem.h;
-        evaluation.damping.col(e) =
-            problem.damping_stiffness[e] * warped_product(shape.stiffness, young, problem.rotations_t0[e], velocity);
-      }
-      if (is_assembled) evaluation.hexes[e] = hex;
+        evaluate_limit(problem, l, batch, lane, evaluation);
+      if (is_assembled) evaluation.hexes[e] = corotated_hex(batch, lane);
+    };
+    evaluate_hexes(model, solver.rotation, positions, begin, end, keep);
+    for (Eigen::Index e = begin; damped && e < end; ++e) {
+      const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
+      evaluation.damping.col(e) =
+          problem.damping_stiffness[e] * warped_product(model.shapes[model.hex_shape[e]].stiffness,
+                                                        problem.materials.young[e], problem.rotations_t0[e],
+                                                        motion / problem.h);
     }
   });
   evaluation.internal = gather(model, evaluation.elastic);

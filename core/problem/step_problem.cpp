@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/contact/clearances.h"
 #include "core/contact/surface_overlap.h"
+#include "core/model/hex_batches.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/limit_recovery.h"
 
@@ -19,8 +20,9 @@ constexpr Eigen::Index hexes_per_block = 64;
 std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate, const Points& positions) {
   std::vector<Matrix3d> rotations(std::size_t(model.num_hexes()));
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e)
-      rotations[e] = corotate(model.shapes[model.hex_shape[e]], estimate, hex_nodes(model, positions, e)).rotation;
+    evaluate_hexes(
+        model, estimate, positions, begin, end,
+        [&](Eigen::Index e, const HexBatch& batch, int lane) { rotations[e] = rotation_of(batch, lane); });
   });
   return rotations;
 }
@@ -124,14 +126,16 @@ VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Mat
                       const Points& positions) {
   VectorXd ratios(materials.limits.size());
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) {
-      if (model.limit_starts[e] == model.limit_starts[e + 1]) continue;
-      const HexShape& shape = model.shapes[model.hex_shape[e]];
-      const CorotatedHex hex = corotate(shape, solver.rotation, hex_nodes(model, positions, e));
-      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l)
-        ratios[l] =
-            1 - limit_value(model, solver.energy, model.limits[l], materials.young[e], materials.limits[l], hex);
-    }
+    evaluate_hexes(model, solver.rotation, positions, begin, end, [&](Eigen::Index e, const HexBatch& batch, int lane) {
+      for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l) {
+        const HexLimit& limit = model.limits[l];
+        const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
+        const double young = materials.young[e];
+        ratios[l] = true_whole ? elastic_energy(young, batch, lane) / materials.limits[l]
+                               : 1 - limit_value(model, solver.energy, limit, young, materials.limits[l],
+                                                 corotated_hex(batch, lane));
+      }
+    });
   });
   return ratios;
 }

@@ -6,6 +6,7 @@
 #include "core/base/parallel.h"
 #include "core/contact/clearances.h"
 #include "core/contact/surface_overlap.h"
+#include "core/model/hex_batches.h"
 #include "core/model/hex_limits.h"
 #include "core/problem/step_problem.h"
 #include "core/step/islands.h"
@@ -22,11 +23,10 @@ void measure_energies(const Model& model, const StepOptions& options, const Stat
   }
   VectorXd elastic(model.num_hexes());
   parallel_blocks(model.num_hexes(), 64, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index e = begin; e < end; ++e) {
-      const HexShape& shape = model.shapes[model.hex_shape[e]];
-      const CorotatedHex hex = corotate(shape, options.solver.rotation, hex_nodes(model, state.positions, e));
-      elastic[e] = elastic_energy(shape.stiffness, young_at(model, e, state.time), hex);
-    }
+    evaluate_hexes(model, options.solver.rotation, state.positions, begin, end,
+                   [&](Eigen::Index e, const HexBatch& batch, int lane) {
+                     elastic[e] = elastic_energy(young_at(model, e, state.time), batch, lane);
+                   });
   });
   for (const double energy : elastic) report.elastic_energy += energy;
 }

@@ -1,0 +1,1 @@
+#include "core/element/hex_batch_kernel_body.h"
