@@ -121,18 +121,26 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
   if (centre_distance > sphere.radius && centre_distance > sphere.radius + way_against(step, obstacle, hex, sphere))
     return false;
   const bool is_triangles = std::holds_alternative<TriangleShape>(*end.shape);
+  const double way = way_against(step, obstacle, hex, sphere);
+  const Vector3d half_edges = longest_half_edges(nodes);
   deepest = {{ContactKind::vertex, -1}, obstacle, hex, -threshold};
   const double tie = tied_depth(model, hex);
-  for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
-    const int point = geometry.hex_points[k];
-    const Support vertex{hex, model.surface.weights.row(point).transpose()};
-    const Vector3d position = surface_position(model, nodes, point);
-    if (is_triangles &&
-        centre_distance - (position - sphere.centre).norm() > longest_way(step, obstacle, vertex, position))
-      continue;
-    double gap = end_distance(step, obstacle, vertex, position).distance;
-    if (gap < deepest.gap - tie) gap += allowance(step, obstacle, vertex).deep;
-    if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
+  for (int c = geometry.clusters.hex_starts[hex]; c < geometry.clusters.hex_starts[hex + 1]; ++c) {
+    const VertexCluster& cluster = geometry.clusters.all[c];
+    const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
+    const double cluster_distance = signed_distance(*end.shape, end.pose.local(around.centre)).distance;
+    if (cluster_distance > around.radius + way) continue;
+    for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
+      const int point = geometry.clusters.points[k];
+      const Support vertex{hex, model.surface.weights.row(point).transpose()};
+      const Vector3d position = surface_position(model, nodes, point);
+      if (is_triangles &&
+          cluster_distance - (position - around.centre).norm() > longest_way(step, obstacle, vertex, position))
+        continue;
+      double gap = end_distance(step, obstacle, vertex, position).distance;
+      if (gap < deepest.gap - tie) gap += allowance(step, obstacle, vertex).deep;
+      if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
+    }
   }
   return deepest.point.index >= 0;
 }
@@ -310,9 +318,15 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
       const BoundingSphere sphere = bounding_sphere(nodes);
       for (const auto& [pose, shape] : obstacles) {
         if (signed_distance(*shape, pose.local(sphere.centre)).distance > sphere.radius) continue;
-        for (int k = geometry.hex_starts[hex]; k < geometry.hex_starts[hex + 1]; ++k) {
-          const Vector3d p = surface_position(model, nodes, geometry.hex_points[k]);
-          block_deepest = std::max(block_deepest, -signed_distance(*shape, pose.local(p)).distance);
+        const Vector3d half_edges = longest_half_edges(nodes);
+        for (int c = geometry.clusters.hex_starts[hex]; c < geometry.clusters.hex_starts[hex + 1]; ++c) {
+          const VertexCluster& cluster = geometry.clusters.all[c];
+          const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
+          if (signed_distance(*shape, pose.local(around.centre)).distance > around.radius - block_deepest) continue;
+          for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
+            const Vector3d p = surface_position(model, nodes, geometry.clusters.points[k]);
+            block_deepest = std::max(block_deepest, -signed_distance(*shape, pose.local(p)).distance);
+          }
         }
       }
     }

@@ -81,7 +81,7 @@ struct ContactGeometry {
   std::vector<int> hex_points;    // surface vertices by hex
   std::vector<EdgePoints> edges;  // per obstacle
   TouchableBodies touchable;
-  VertexClusters clusters;  // of vertices that may touch a body
+  VertexClusters clusters;
 };
 ContactGeometry make_contact_geometry(const Model& model);
 

@@ -66,9 +66,7 @@ ContactGeometry make_contact_geometry(const Model& model) {
     geometry.edges.push_back(edge_points(obstacle.shape, cell_size / 6));
   }
   geometry.touchable = find_touchable(model);
-  std::vector<bool> touches(model.bodies.size());
-  for (std::size_t b = 0; b < touches.size(); ++b) touches[b] = !geometry.touchable.surfaces[b].empty();
-  geometry.clusters = cluster_vertices(model, geometry.hex_starts, geometry.hex_points, touches);
+  geometry.clusters = cluster_vertices(model, geometry.hex_starts, geometry.hex_points);
   return geometry;
 }
 

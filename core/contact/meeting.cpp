@@ -109,7 +109,7 @@ int num_near(const Meeting& meeting, const VertexCluster& cluster, int first) {
 template <class Tell>
 void look_at_cluster(const Meeting& meeting, const std::vector<OtherHex>& others, const VertexCluster& cluster,
                      int first, const Tell& tell) {
-  const ClusterSphere sphere = sphere_around(cluster, meeting.nodes);
+  const ClusterSphere sphere = sphere_around(cluster, meeting.nodes, meeting.half_edges);
   std::vector<OtherHex> near;
   const double least = clear_of_all(meeting, others, sphere.centre, sphere.radius,
                                     [&](const OtherHex& other) { near.push_back(other); });
@@ -196,12 +196,14 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   encounter.hex,
                   first_vertex(search.step.geometry->clusters, encounter.hex),
                   {},
+                  {},
                   leaving_of(search.step, encounter.hex, encounter.others.front()),
                   {},
                   {},
                   search.clearances.of_encounters[i]};
   if (meeting.clearance.least > meeting.clearance.way && meeting.clearance.unseen.empty()) return meeting;
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
+  meeting.half_edges = longest_half_edges(meeting.nodes);
   const Eigen::AlignedBox3d moves = moves_of(model, before, positions, encounter.hex);
   for (const int other : encounter.others) {
     const HexBounds& bounds = search.bounds[std::size_t(other)];

@@ -44,6 +44,7 @@ struct Meeting {
   int hex = 0;
   const int* vertices = nullptr;  // of the hex, by cluster
   Matrix8x3d nodes;
+  Vector3d half_edges;  // longest_half_edges() of these
   std::optional<Leaving> leaving;
   std::vector<OtherHex> others;
   std::vector<int> near;  // of these, by number: those that may touch, the ones that were deepest first

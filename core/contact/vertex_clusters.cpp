@@ -44,23 +44,15 @@ void split(const Model& model, std::vector<int>::iterator begin, std::vector<int
   split(model, middle, end, first + int(middle - begin), clusters);
 }
 
-// half of the longest edge along an axis of local coordinates [m]
-double longest_half_edge(const Matrix8x3d& nodes, int axis) {
-  double squared = 0;
-  for (int n = 0; n < 8; ++n)
-    if (sign_of(n, axis) < 0) squared = std::max(squared, (nodes.row(n | (4 >> axis)) - nodes.row(n)).squaredNorm());
-  return 0.5 * std::sqrt(squared);
-}
-
 }  // namespace
 
 VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_starts,
-                                const std::vector<int>& hex_points, const std::vector<bool>& wanted) {
+                                const std::vector<int>& hex_points) {
   VertexClusters clusters{std::vector<int>(hex_starts.size(), 0), {}, hex_points};
   std::vector<std::vector<VertexCluster>> of_hexes(std::size_t(model.num_hexes()));
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index hex = begin; hex < end; ++hex)
-      if (wanted[model.hex_body[hex]] && hex_starts[hex] < hex_starts[hex + 1])
+      if (hex_starts[hex] < hex_starts[hex + 1])
         split(model, clusters.points.begin() + hex_starts[hex], clusters.points.begin() + hex_starts[hex + 1],
               hex_starts[hex], of_hexes[std::size_t(hex)]);
   });
@@ -71,10 +63,17 @@ VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_
   return clusters;
 }
 
-ClusterSphere sphere_around(const VertexCluster& cluster, const Matrix8x3d& nodes) {
-  ClusterSphere sphere{nodes.transpose() * shape_functions(cluster.centre)};
-  for (int axis = 0; axis < 3; ++axis) sphere.radius += cluster.half_sizes[axis] * longest_half_edge(nodes, axis);
-  return sphere;
+Vector3d longest_half_edges(const Matrix8x3d& nodes) {
+  Vector3d squares = Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis)
+    for (int n = 0; n < 8; ++n)
+      if (sign_of(n, axis) < 0)
+        squares[axis] = std::max(squares[axis], (nodes.row(n | (4 >> axis)) - nodes.row(n)).squaredNorm());
+  return 0.5 * squares.cwiseSqrt();
+}
+
+ClusterSphere sphere_around(const VertexCluster& cluster, const Matrix8x3d& nodes, const Vector3d& half_edges) {
+  return {nodes.transpose() * shape_functions(cluster.centre), cluster.half_sizes.dot(half_edges)};
 }
 
 }  // namespace umax

@@ -19,15 +19,18 @@ struct VertexClusters {
   std::vector<int> points;         // surface vertices, by cluster
 };
 
-/// hex_starts, hex_points: the surface vertices by hex, as in ContactGeometry. wanted: #B bodies; others get none.
+/// hex_starts, hex_points: the surface vertices by hex, as in ContactGeometry.
 VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_starts,
-                                const std::vector<int>& hex_points, const std::vector<bool>& wanted);
+                                const std::vector<int>& hex_points);
 
-/// A sphere that the cluster's vertices are in, where its hex has these nodes.
+/// Half of a hex's longest edge along each axis of its local coordinates [m].
+Vector3d longest_half_edges(const Matrix8x3d& nodes);
+
+/// A sphere that the cluster's vertices are in, where its hex has these nodes and longest_half_edges().
 struct ClusterSphere {
   Vector3d centre{0, 0, 0};  // [m]
   double radius = 0;         // [m]
 };
-ClusterSphere sphere_around(const VertexCluster& cluster, const Matrix8x3d& nodes);
+ClusterSphere sphere_around(const VertexCluster& cluster, const Matrix8x3d& nodes, const Vector3d& half_edges);
 
 }  // namespace umax

@@ -118,15 +118,15 @@ TEST_CASE("what touches is found as by a search that looks at everything") {
 TEST_CASE("clusters hold each vertex once, and their spheres where it is") {
   const Model model = make_model({touchable_ball("ball", 3, {0, 0, 0}, 0.3)}, {});
   const ContactGeometry geometry = make_contact_geometry(model);
-  const VertexClusters clusters =
-      cluster_vertices(model, geometry.hex_starts, geometry.hex_points, std::vector<bool>{true});
+  const VertexClusters& clusters = geometry.clusters;
   Random random(3);
   Points positions = model.rest_positions;
   for (double& value : positions.reshaped()) value += random.uniform(-0.05, 0.05);
   std::vector<int> times(std::size_t(model.surface.size()), 0);
   for (int hex = 0; hex < model.num_hexes(); ++hex)
     for (int c = clusters.hex_starts[hex]; c < clusters.hex_starts[hex + 1]; ++c) {
-      const ClusterSphere sphere = sphere_around(clusters.all[c], hex_nodes(model, positions, hex));
+      const Matrix8x3d nodes = hex_nodes(model, positions, hex);
+      const ClusterSphere sphere = sphere_around(clusters.all[c], nodes, longest_half_edges(nodes));
       CHECK(clusters.all[c].count <= 16);
       for (int k = clusters.all[c].first; k < clusters.all[c].first + clusters.all[c].count; ++k) {
         const int point = clusters.points[k];
