@@ -24,8 +24,20 @@ Vector3d away_at(const Model& model, const Points& positions, const HeldVertex& 
          (embedded_position(model, positions, held.vertex) - embedded_position(model, positions, held.other));
 }
 
-// What a vertex outside at X0 meets at X. One that is hardly inside may be at a side next to the one that it came in by: a body
-// that slides over vertices which it rests on comes upon them with its front.
+// [m] how far the point is behind the triangle's plane
+double depth_behind(const ScaledSurface& surface, int triangle, const Vector3d& point) {
+  return triangle_normal(surface, triangle).dot(surface.scale * corner_of(surface.of, triangle, 0) - point);
+}
+
+// How deep [m] the way from X0 to X is inside, at most, if it comes in by one triangle and leaves by another that meets it
+// in a ridge.
+double ridge_depth(const ScaledSurface& surface, const HeldVertex& held, int entered, int left) {
+  return std::min(depth_behind(surface, entered, held.X), depth_behind(surface, left, held.X0));
+}
+
+// What a vertex outside at X0 meets at X. One that is hardly inside may be at a side next to the one that it came in by, and
+// one that is outside again may have cut the ridge between both: a body that slides over vertices which it rests on comes
+// upon them with its front, and leaves them with its back.
 // clear: as in Touch.
 SurfaceHit hit_from_outside(const ScaledSurface& surface, const HeldVertex& held, double tolerance, double& clear) {
   const SurfaceHit nearest = nearest_within(surface, held.X, held.bounds);
@@ -38,7 +50,8 @@ SurfaceHit hit_from_outside(const ScaledSurface& surface, const HeldVertex& held
   }
   const Vector3d side = entered < 0 ? nearest_within(surface, held.X0).normal : triangle_normal(surface, entered);
   const double alikeness = triangle_normal(surface, nearest.triangle).dot(side);
-  if (is_inside && nearest.distance > -at_surface * tolerance && alikeness > -same_side) return nearest;
+  const double depth = is_inside ? -nearest.distance : ridge_depth(surface, held, entered, nearest.triangle);
+  if (depth < at_surface * tolerance && alikeness > -same_side) return nearest;
   const bool is_alike = alikeness >= same_side;
   const double reach = is_alike ? std::abs(nearest.distance) : entered < 0 ? anywhere : held.moved;
   const SurfaceHit alike = nearest_alike(surface, held.X, side, same_side, rounding * reach);

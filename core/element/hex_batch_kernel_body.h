@@ -1,5 +1,6 @@
 // The loops that core/element/hex_batch_kernel.h declares: hex_batch_kernel_<instruction set>.cpp compile this one source
-// under their own compiler options. The numbers of a lane depend on no other lane.
+// under their own compiler options. The numbers of a lane depend on no other lane; they are the same bits with every
+// instruction set, as nothing is fused.
 #pragma once
 
 #include "core/base/simd.h"
@@ -33,7 +34,7 @@ UMAX_INLINE void cofactors(const D* X, D* C) {
 template <int count>
 UMAX_INLINE D square(const D* values) {
   D sum = values[0] * values[0];
-  for (int i = 1; i < count; ++i) sum = multiply_add(values[i], values[i], sum);
+  for (int i = 1; i < count; ++i) sum += values[i] * values[i];
   return sum;
 }
 
@@ -47,7 +48,7 @@ UMAX_INLINE void polar(const D* G, D* X, D& unresolved) {
   const D scale = 1 / (largest > D{} ? largest : D{} + 1);
   for (int i = 0; i < 9; ++i) X[i] = G[i] * scale;
   cofactors(X, C);
-  D det = multiply_add(X[2], C[2], multiply_add(X[1], C[1], X[0] * C[0]));
+  D det = X[0] * C[0] + X[1] * C[1] + X[2] * C[2];
   const D well = D{} + well_conditioned;
   unresolved = det > well ? D{} : D{} + 1;
   for (int i = 0; i < 9; ++i) {
@@ -66,14 +67,14 @@ UMAX_INLINE void polar(const D* G, D* X, D& unresolved) {
     const D of_x = 0.5 * a, of_cofactors = 0.5 / (a * det);
     D next[9], moved[9];
     for (int i = 0; i < 9; ++i) {
-      next[i] = multiply_add(of_x, X[i], of_cofactors * C[i]);
+      next[i] = of_x * X[i] + of_cofactors * C[i];
       moved[i] = next[i] - X[i];
     }
     const D old = change, moves = square<9>(moved);
     change = old > D{} + converged ? moves : old;
     for (int i = 0; i < 9; ++i) X[i] = old > D{} + converged ? next[i] : X[i];
     cofactors(X, C);
-    det = multiply_add(X[2], C[2], multiply_add(X[1], C[1], X[0] * C[0]));
+    det = X[0] * C[0] + X[1] * C[1] + X[2] * C[2];
   }
 }
 
@@ -84,7 +85,7 @@ UMAX_INLINE void multiply_stiffness(const double* K, const D* u, D* g) {
     D sums[rows];
     for (int r = 0; r < rows; ++r) sums[r] = K[first + r] * u[0];
     for (int c = 1; c < 24; ++c)
-      for (int r = 0; r < rows; ++r) sums[r] = multiply_add(broadcast<double>(K[24 * c + first + r]), u[c], sums[r]);
+      for (int r = 0; r < rows; ++r) sums[r] += K[24 * c + first + r] * u[c];
     for (int r = 0; r < rows; ++r) g[first + r] = sums[r];
   }
 }
@@ -95,13 +96,13 @@ UMAX_INLINE void solve_spin(const D* S, const D* t, D* p, D& unresolved) {
   const D xx = S[4] + S[8], yy = S[0] + S[8], zz = S[0] + S[4], xy = -S[1], xz = -S[2], yz = -S[5];
   const D c00 = yy * zz - yz * yz, c01 = xz * yz - xy * zz, c02 = xy * yz - xz * yy;
   const D c11 = xx * zz - xz * xz, c12 = xy * xz - xx * yz, c22 = xx * yy - xy * xy;
-  const D det = multiply_add(xz, c02, multiply_add(xy, c01, xx * c00)), trace = xx + yy + zz;
+  const D det = xx * c00 + xy * c01 + xz * c02, trace = xx + yy + zz;
   const D least = smallest_trusted_D * (trace * trace), scaled = 4 * det;
   unresolved = scaled > least ? unresolved : D{} + 1;
   const D over_det = 1 / (scaled > least ? det : D{} + 1);
-  p[0] = over_det * multiply_add(c02, t[2], multiply_add(c01, t[1], c00 * t[0]));
-  p[1] = over_det * multiply_add(c12, t[2], multiply_add(c11, t[1], c01 * t[0]));
-  p[2] = over_det * multiply_add(c22, t[2], multiply_add(c12, t[1], c02 * t[0]));
+  p[0] = over_det * (c00 * t[0] + c01 * t[1] + c02 * t[2]);
+  p[1] = over_det * (c01 * t[0] + c11 * t[1] + c12 * t[2]);
+  p[2] = over_det * (c02 * t[0] + c12 * t[1] + c22 * t[2]);
 }
 
 // [first, first + lanes) of the batch
@@ -117,8 +118,7 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
       D sum = x[r] * shape.rotation_gradients[c];
-      for (int n = 1; n < 8; ++n)
-        sum = multiply_add(x[3 * n + r], broadcast<double>(shape.rotation_gradients[3 * n + c]), sum);
+      for (int n = 1; n < 8; ++n) sum += x[3 * n + r] * shape.rotation_gradients[3 * n + c];
       G[3 * r + c] = sum;
     }
   D unresolved;
@@ -126,18 +126,18 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
   D RG[9];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c)
-      RG[3 * r + c] = multiply_add(R[6 + r], G[6 + c], multiply_add(R[3 + r], G[3 + c], R[r] * G[c]));
+      RG[3 * r + c] = R[r] * G[c] + R[3 + r] * G[3 + c] + R[6 + r] * G[6 + c];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) S[3 * r + c] = 0.5 * (RG[3 * r + c] + RG[3 * c + r]);
   for (int n = 0; n < 8; ++n)
     for (int c = 0; c < 3; ++c) {
-      y[3 * n + c] = multiply_add(x[3 * n + 2], R[6 + c], multiply_add(x[3 * n + 1], R[3 + c], x[3 * n] * R[c]));
+      y[3 * n + c] = x[3 * n] * R[c] + x[3 * n + 1] * R[3 + c] + x[3 * n + 2] * R[6 + c];
       u[3 * n + c] = y[3 * n + c] - shape.rest_nodes[3 * n + c];
     }
   multiply_stiffness(shape.stiffness, u, g);
 
   D energy = u[0] * g[0], t[3] = {}, p[3];
-  for (int i = 1; i < 24; ++i) energy = multiply_add(u[i], g[i], energy);
+  for (int i = 1; i < 24; ++i) energy += u[i] * g[i];
   for (int n = 0; n < 8; ++n)
     for (int c = 0; c < 3; ++c) {
       const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
@@ -151,9 +151,8 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
       g[3 * n + c] -= p[c1] * h[c2] - p[c2] * h[c1];
     }
     for (int r = 0; r < 3; ++r)
-      store<double>(
-          batch.gradient[3 * n + r] + first,
-          multiply_add(R[3 * r + 2], g[3 * n + 2], multiply_add(R[3 * r + 1], g[3 * n + 1], R[3 * r] * g[3 * n])));
+      store<double>(batch.gradient[3 * n + r] + first,
+                    R[3 * r] * g[3 * n] + R[3 * r + 1] * g[3 * n + 1] + R[3 * r + 2] * g[3 * n + 2]);
   }
   store<double>(batch.energy + first, 0.5 * energy);
   for (int i = 0; i < 9; ++i) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/contact/contact_support.h"
+#include "core/contact/held_vertex.h"
 #include "core/contact/surface_contact.h"
 #include "core/step/newton_system.h"
 #include "embedding/surface/shapes.h"
@@ -220,6 +221,38 @@ TEST_CASE("a gap changes as its supports say, with second order where it is zero
     CHECK(error(1e-5) < 0.15 * error(1e-4) + 1e-6);
   }
   CHECK(measured > 0);
+}
+
+TEST_CASE("a ridge that passes a vertex by a hair does not meet it, one that cuts deep does") {
+  const double cell = 0.1;
+  const Model model = make_model(
+      {touchable_block("slider", {2, 2, 2}, {0, 0, 0}, cell), touchable_block("post", {1, 1, 1}, {1, 0, 0}, cell)}, {});
+  const int post_hex = model.bodies[1].first_hex;
+  const Support vertex{post_hex, Vector8d::Unit(7)};
+  const auto with_vertex_at = [&](const Vector3d& place) {
+    Points positions = model.rest_positions;
+    const Vector3d by = place - embedded_position(model, positions, vertex);
+    for (int node = model.bodies[1].first_node; node < int(model.num_nodes()); ++node)
+      positions.row(node) += by.transpose();
+    return positions;
+  };
+  const auto touch = [&](const Vector3d& from, const Vector3d& to) {
+    HeldVertex held;
+    const Points apart = with_vertex_at(from), positions = with_vertex_at(to);
+    const int hex = (to.x() > cell ? 4 : 0) + (to.y() > cell ? 2 : 0);  // nearest to it
+    REQUIRE(hold(model, apart, vertex, to, hex_maps(model, positions, hex), around_hex, held));
+    return measure(model, held, {});
+  };
+  // ahead of the front and above the sole, then behind the one and below the other
+  CHECK(touch({0.205, 6e-5, 0.05}, {0.175, -5e-5, 0.05}).gap > 0);
+  // in by the sole, out by the back
+  CHECK(touch({0.02, -1e-7, 0.05}, {-0.01, 3e-6, 0.05}).gap > 0);
+  // as the first, but through the middle of the front
+  const Touch deep = touch({0.205, 0.02, 0.05}, {0.175, -5e-5, 0.05});
+  CHECK(deep.gap == Approx(-0.025).epsilon(0.01));
+  CHECK(deep.normal.x() == Approx(1).epsilon(1e-3));
+  // in by the sole, out by the top
+  CHECK(touch({0.05, -0.01, 0.05}, {0.05, 0.21, 0.05}).gap == Approx(-0.21).epsilon(1e-6));
 }
 
 TEST_CASE("a fast ball does not pass through a sheet one hex thick") {
