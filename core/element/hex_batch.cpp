@@ -1,5 +1,7 @@
 #include "core/element/hex_batch.h"
 
+#include <algorithm>
+
 namespace umax {
 namespace {
 
@@ -12,6 +14,12 @@ Matrix3d matrix_in(const double (&from)[9][most_batched], int lane) {
   Matrix3d matrix;
   for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = from[i][lane];
   return matrix;
+}
+
+// lanes that have no hex, as the first one
+template <int rows>
+void fill_up(int count, double (&values)[rows][most_batched]) {
+  for (auto& row : values) std::fill(row + count, row + most_batched, row[0]);
 }
 
 void evaluate_alone(const HexShape& shape, RotationEstimate estimate, int lane, HexBatch& batch) {
@@ -37,13 +45,22 @@ void set_nodes(const Matrix8x3d& x, int lane, HexBatch& batch) {
 }
 
 void evaluate(const HexShape& shape, RotationEstimate estimate, int count, HexBatch& batch) {
-  for (int i = 0; i < 24; ++i)
-    for (int lane = count; lane < most_batched; ++lane) batch.nodes[i][lane] = batch.nodes[i][0];
+  fill_up(count, batch.nodes);
   hex_batch_kernels(best_instruction_set())
       .evaluate({shape.stiffness.data(), shape.rotation_gradients[int(estimate)].data(), shape.rest_nodes.data()}, batch);
   for (int lane = 0; batch.unresolved != 0 && lane < count; ++lane)
     if (batch.unresolved >> lane & 1) evaluate_alone(shape, estimate, lane, batch);
   batch.unresolved = 0;
+}
+
+void set_rotation(const Matrix3d& rotation, int lane, HexBatch& batch) {
+  for (int i = 0; i < 9; ++i) batch.rotation[i][lane] = rotation(i / 3, i % 3);
+}
+
+void multiply_warped(const HexShape& shape, int count, HexBatch& batch) {
+  fill_up(count, batch.nodes);
+  fill_up(count, batch.rotation);
+  hex_batch_kernels(best_instruction_set()).multiply_warped({shape.stiffness.data(), nullptr, nullptr}, batch);
 }
 
 CorotatedHex corotated_hex(const HexBatch& batch, int lane) {

@@ -14,6 +14,11 @@ void set_nodes(const Matrix8x3d& x, int lane, HexBatch& batch);
 /// not depend on its lane, nor on the others. A hex that is flat, collapsed or inverted is found by itself.
 void evaluate(const HexShape& shape, RotationEstimate estimate, int count, HexBatch& batch);
 
+/// warped_product() of the first `count` hexes, all of one shape, in place of their gradients: with the rotations that are
+/// set, of the motions [m/s] that are set in place of their nodes.
+void set_rotation(const Matrix3d& rotation, int lane, HexBatch& batch);
+void multiply_warped(const HexShape& shape, int count, HexBatch& batch);
+
 /// What evaluate() has found of the hex in a lane.
 CorotatedHex corotated_hex(const HexBatch& batch, int lane);
 Matrix3d rotation_of(const HexBatch& batch, int lane);

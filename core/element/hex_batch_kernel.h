@@ -29,6 +29,8 @@ struct HexBatchShape {
 
 struct HexBatchKernels {
   void (*evaluate)(const HexBatchShape& shape, HexBatch& batch) = nullptr;
+  /// gradient = R K R^T nodes, where nodes are motions.
+  void (*multiply_warped)(const HexBatchShape& shape, HexBatch& batch) = nullptr;
 };
 
 const HexBatchKernels& hex_batch_kernels(InstructionSet set);

@@ -105,10 +105,40 @@ UMAX_INLINE void solve_spin(const D* S, const D* t, D* p, D& unresolved) {
   p[2] = over_det * (c02 * t[0] + c12 * t[1] + c22 * t[2]);
 }
 
+// of every node: to = R from, or R^T from
+UMAX_INLINE void to_world(const D* R, const D* from, D* to) {
+  for (int n = 0; n < 24; n += 3)
+    for (int r = 0; r < 3; ++r)
+      to[n + r] = R[3 * r] * from[n] + R[3 * r + 1] * from[n + 1] + R[3 * r + 2] * from[n + 2];
+}
+UMAX_INLINE void to_local(const D* R, const D* from, D* to) {
+  for (int n = 0; n < 24; n += 3)
+    for (int c = 0; c < 3; ++c) to[n + c] = from[n] * R[c] + from[n + 1] * R[3 + c] + from[n + 2] * R[6 + c];
+}
+
+template <int count>
+UMAX_INLINE void load_all(const double (&from)[count][most_batched], int first, D (&to)[count]) {
+  for (int i = 0; i < count; ++i) to[i] = load<double>(from[i] + first);
+}
+template <int count>
+UMAX_INLINE void store_all(const D (&from)[count], int first, double (&to)[count][most_batched]) {
+  for (int i = 0; i < count; ++i) store<double>(to[i] + first, from[i]);
+}
+
 // [first, first + lanes) of the batch
+inline void multiply_lanes(const HexBatchShape& shape, int first, HexBatch& batch) {
+  D x[24], R[9], local[24], g[24];
+  load_all(batch.nodes, first, x);
+  load_all(batch.rotation, first, R);
+  to_local(R, x, local);
+  multiply_stiffness(shape.stiffness, local, g);
+  to_world(R, g, x);
+  store_all(x, first, batch.gradient);
+}
+
 inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batch) {
   D x[24], G[9], R[9], S[9], y[24], u[24], g[24];
-  for (int i = 0; i < 24; ++i) x[i] = load<double>(batch.nodes[i] + first);
+  load_all(batch.nodes, first, x);
   for (int c = 0; c < 3; ++c) {
     D mean = x[c];
     for (int n = 1; n < 8; ++n) mean += x[3 * n + c];
@@ -129,11 +159,8 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
       RG[3 * r + c] = R[r] * G[c] + R[3 + r] * G[3 + c] + R[6 + r] * G[6 + c];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) S[3 * r + c] = 0.5 * (RG[3 * r + c] + RG[3 * c + r]);
-  for (int n = 0; n < 8; ++n)
-    for (int c = 0; c < 3; ++c) {
-      y[3 * n + c] = x[3 * n] * R[c] + x[3 * n + 1] * R[3 + c] + x[3 * n + 2] * R[6 + c];
-      u[3 * n + c] = y[3 * n + c] - shape.rest_nodes[3 * n + c];
-    }
+  to_local(R, x, y);
+  for (int i = 0; i < 24; ++i) u[i] = y[i] - shape.rest_nodes[i];
   multiply_stiffness(shape.stiffness, u, g);
 
   D energy = u[0] * g[0], t[3] = {}, p[3];
@@ -150,19 +177,14 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
       const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
       g[3 * n + c] -= p[c1] * h[c2] - p[c2] * h[c1];
     }
-    for (int r = 0; r < 3; ++r)
-      store<double>(batch.gradient[3 * n + r] + first,
-                    R[3 * r] * g[3 * n] + R[3 * r + 1] * g[3 * n + 1] + R[3 * r + 2] * g[3 * n + 2]);
   }
+  to_world(R, g, x);
+  store_all(x, first, batch.gradient);
   store<double>(batch.energy + first, 0.5 * energy);
-  for (int i = 0; i < 9; ++i) {
-    store<double>(batch.rotation[i] + first, R[i]);
-    store<double>(batch.stretch[i] + first, S[i]);
-  }
-  for (int i = 0; i < 24; ++i) {
-    store<double>(batch.local_nodes[i] + first, y[i]);
-    store<double>(batch.displacement[i] + first, u[i]);
-  }
+  store_all(R, first, batch.rotation);
+  store_all(S, first, batch.stretch);
+  store_all(y, first, batch.local_nodes);
+  store_all(u, first, batch.displacement);
   for (int lane = 0; lane < width<double>; ++lane) batch.unresolved |= unsigned(unresolved[lane] != 0) << (first + lane);
 }
 
@@ -171,9 +193,13 @@ inline void evaluate_batch(const HexBatchShape& shape, HexBatch& batch) {
   for (int first = 0; first < most_batched; first += width<double>) evaluate_lanes(shape, first, batch);
 }
 
+inline void multiply_batch(const HexBatchShape& shape, HexBatch& batch) {
+  for (int first = 0; first < most_batched; first += width<double>) multiply_lanes(shape, first, batch);
+}
+
 // NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
 extern const HexBatchKernels hex_batch_kernels;
-constexpr HexBatchKernels hex_batch_kernels = {evaluate_batch};
+constexpr HexBatchKernels hex_batch_kernels = {evaluate_batch, multiply_batch};
 // NOLINTEND(misc-definitions-in-headers)
 
 }  // namespace umax::UMAX_SIMD

@@ -96,6 +96,26 @@ void evaluate_limit(const StepProblem& problem, int l, const HexBatch& batch, in
         limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, young, hex);
 }
 
+// beta K(x0) (x - x0)/h of the hexes [begin, end)
+void evaluate_damping(const StepProblem& problem, const Points& positions, Eigen::Index begin, Eigen::Index end,
+                      HexColumns& damping) {
+  const Model& model = *problem.model;
+  HexBatch batch;
+  for_each_group(model, begin, end, [&](Eigen::Index first, int count) {
+    for (int lane = 0; lane < count; ++lane) {
+      const Eigen::Index e = first + lane;
+      const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
+      set_nodes(motion / problem.h, lane, batch);
+      set_rotation(problem.rotations_t0[e], lane, batch);
+    }
+    multiply_warped(model.shapes[model.hex_shape[first]], count, batch);
+    for (int lane = 0; lane < count; ++lane) {
+      const Eigen::Index e = first + lane;
+      damping.col(e) = elastic_gradient(problem.damping_stiffness[e] * problem.materials.young[e], batch, lane);
+    }
+  });
+}
+
 }  // namespace
 
 void evaluate(const StepProblem& problem, const Points& positions, Evaluation& evaluation) {
@@ -121,13 +141,7 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
       if (is_assembled) evaluation.hexes[e] = corotated_hex(batch, lane);
     };
     evaluate_hexes(model, solver.rotation, positions, begin, end, keep);
-    for (Eigen::Index e = begin; damped && e < end; ++e) {
-      const Matrix8x3d motion = hex_nodes(model, positions, e) - hex_nodes(model, problem.positions_t0, e);
-      evaluation.damping.col(e) =
-          problem.damping_stiffness[e] * warped_product(model.shapes[model.hex_shape[e]].stiffness,
-                                                        problem.materials.young[e], problem.rotations_t0[e],
-                                                        motion / problem.h);
-    }
+    if (damped) evaluate_damping(problem, positions, begin, end, evaluation.damping);
   });
   evaluation.internal = gather(model, evaluation.elastic);
   if (damped) evaluation.internal += gather(model, evaluation.damping);

@@ -61,6 +61,25 @@ TEST_CASE("a batch of hexes has the rotations, energies and gradients of single 
   }
 }
 
+TEST_CASE("a batch of hexes has the warped products of single ones") {
+  Random random(5);
+  const HexShape shape = make_hex_shape(test::distorted_nodes(), 0.3);
+  for (const int count : {1, 3, most_batched}) {
+    HexBatch batch;
+    std::vector<Matrix8x3d> motions;
+    std::vector<Matrix3d> rotations;
+    for (int lane = 0; lane < count; ++lane) {
+      set_nodes(motions.emplace_back(random.nodes(1)), lane, batch);
+      set_rotation(rotations.emplace_back(random.rotation()), lane, batch);
+    }
+    multiply_warped(shape, count, batch);
+    for (int lane = 0; lane < count; ++lane) {
+      const Vector24d product = warped_product(shape.stiffness, 7, rotations[lane], motions[lane]);
+      CHECK((elastic_gradient(7, batch, lane) - product).norm() < 1e-13 * product.norm());
+    }
+  }
+}
+
 TEST_CASE("what a batch finds of a hex does not depend on the hexes beside it") {
   const Matrix8x3d rest = test::box_nodes({0.1, 0.1, 0.1});
   const HexShape shape = make_hex_shape(rest, 0.3);

@@ -10,6 +10,7 @@ namespace umax {
 namespace {
 
 constexpr std::size_t num_subtrees = 16;  // about: of equal work, as far as the tree has them
+constexpr std::size_t small = 30000;      // numbers in a factor that is solved with sooner than threads are woken
 
 using Supernode = SupernodalFactor::Supernode;
 using Block = Eigen::Map<const Eigen::MatrixXf>;
@@ -125,8 +126,9 @@ VectorXd solve(const SupernodalFactor& factor, const VectorXd& b) {
   for (Eigen::Index i = 0; i < count; ++i) x[i] = float(b[factor.order[i]]);
 
   const auto subtrees = Eigen::Index(factor.subtrees.size());
+  const Eigen::Index grain = factor.values.size() < small ? std::max<Eigen::Index>(1, subtrees) : 1;
   Eigen::MatrixXf to_top = Eigen::MatrixXf::Zero(factor.num_top, subtrees);
-  parallel_blocks(subtrees, 1, [&](Eigen::Index begin, Eigen::Index end) {
+  parallel_blocks(subtrees, grain, [&](Eigen::Index begin, Eigen::Index end) {
     Eigen::VectorXf update;
     for (Eigen::Index t = begin; t < end; ++t)
       for (int s = factor.subtrees[t].first; s < factor.subtrees[t].second; ++s) {
@@ -147,7 +149,7 @@ VectorXd solve(const SupernodalFactor& factor, const VectorXd& b) {
     for (int i = 0; i < node.rows; ++i) x[factor.row_indices[node.rows_first + i]] -= update[i];
   }
   for (auto s = factor.top.rbegin(); s != factor.top.rend(); ++s) substitute(factor, factor.supernodes[*s], x, update);
-  parallel_blocks(subtrees, 1, [&](Eigen::Index begin, Eigen::Index end) {
+  parallel_blocks(subtrees, grain, [&](Eigen::Index begin, Eigen::Index end) {
     Eigen::VectorXf known;
     for (Eigen::Index t = begin; t < end; ++t)
       for (int s = factor.subtrees[t].second - 1; s >= factor.subtrees[t].first; --s)
