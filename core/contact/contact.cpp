@@ -27,6 +27,12 @@ Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point
   return nodes.transpose() * model.surface.weights.row(point).transpose();
 }
 
+// Vertices of a cluster are far from each other in memory: the processor may fetch them all while it waits for the first.
+void fetch_weights(const Model& model, const VertexClusters& clusters, const VertexCluster& cluster) {
+  for (int k = cluster.first; k < cluster.first + cluster.count; ++k)
+    __builtin_prefetch(model.surface.weights.data() + 8 * Eigen::Index(clusters.points[k]));
+}
+
 AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& support) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, support);
   const ObstacleAt& start = step.obstacles_t0[obstacle];
@@ -130,6 +136,7 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
     const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
     const double cluster_distance = signed_distance(*end.shape, end.pose.local(around.centre)).distance;
     if (cluster_distance > around.radius + way) continue;
+    fetch_weights(model, geometry.clusters, cluster);
     for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
       const int point = geometry.clusters.points[k];
       const Support vertex{hex, model.surface.weights.row(point).transpose()};
@@ -323,6 +330,7 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
           const VertexCluster& cluster = geometry.clusters.all[c];
           const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
           if (signed_distance(*shape, pose.local(around.centre)).distance > around.radius - block_deepest) continue;
+          fetch_weights(model, geometry.clusters, cluster);
           for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
             const Vector3d p = surface_position(model, nodes, geometry.clusters.points[k]);
             block_deepest = std::max(block_deepest, -signed_distance(*shape, pose.local(p)).distance);
