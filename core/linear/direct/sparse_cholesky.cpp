@@ -173,7 +173,7 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
   return done;
 }
 
-void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
+void for_each_solve(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
   const Eigen::Index at_once = blas_is_reentrant() ? 1 : std::max<Eigen::Index>(1, count);
   parallel_blocks(count, at_once, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) visit(i);
