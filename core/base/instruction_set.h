@@ -17,4 +17,9 @@ void use_at_most(InstructionSet set);
 /// "avx2"
 const char* name_of(InstructionSet set);
 
+/// The table of kernels that is compiled for this instruction set. The kernels' own source specialises it; callers choose by
+/// core/base/kernel_choice.h.
+template <class Table, InstructionSet set>
+const Table& kernels_for();
+
 }  // namespace umax

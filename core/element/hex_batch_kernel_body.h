@@ -197,9 +197,17 @@ inline void multiply_batch(const HexBatchShape& shape, HexBatch& batch) {
   for (int first = 0; first < most_batched; first += width<double>) multiply_lanes(shape, first, batch);
 }
 
-// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
-extern const HexBatchKernels hex_batch_kernels;
-constexpr HexBatchKernels hex_batch_kernels = {evaluate_batch, multiply_batch};
-// NOLINTEND(misc-definitions-in-headers)
+inline constexpr HexBatchKernels hex_batch_kernels = {evaluate_batch, multiply_batch};
 
 }  // namespace umax::UMAX_SIMD
+
+namespace umax {
+
+// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set
+template <>
+const HexBatchKernels& kernels_for<HexBatchKernels, InstructionSet::UMAX_SIMD>() {
+  return UMAX_SIMD::hex_batch_kernels;
+}
+// NOLINTEND(misc-definitions-in-headers)
+
+}  // namespace umax

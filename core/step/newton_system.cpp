@@ -281,7 +281,7 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
   iterate.factored.resize(model.bodies.size());
   const bool may_keep = at.contacts.empty() && model.bodies.size() > 1;
   std::vector<int> made(model.bodies.size(), 0);
-  for_each_factor(Eigen::Index(model.bodies.size()), [&](Eigen::Index i) {
+  parallel_blocks(Eigen::Index(model.bodies.size()), 1, [&](Eigen::Index i, Eigen::Index) {
     const int b = int(i);
     if (may_keep && is_factored(problem, at, iterate, b)) return;
     made[b] = factorize_body(problem, at, iterate, in_hex, b, workspace);

@@ -163,9 +163,9 @@ StepReport advance_island(const Model& model, const StepOptions& options, Worksp
   return report;
 }
 
-// at_once: where the BLAS lets several threads factor; else one after the other, as who listens to their iterations expects
+// at_once: where the BLAS lets several threads solve; else one after the other, as who listens to their iterations expects
 void for_each_island(std::size_t count, bool at_once, const std::function<void(Eigen::Index)>& visit) {
-  if (at_once) return for_each_factor(Eigen::Index(count), visit);
+  if (at_once) return for_each_solve(Eigen::Index(count), visit);
   for (std::size_t i = 0; i < count; ++i) visit(Eigen::Index(i));
 }
 

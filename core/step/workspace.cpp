@@ -28,7 +28,7 @@ void eliminate_last(const Model& model, int body, const std::vector<int>& nodes,
 }
 
 void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
-  for_each_factor(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
+  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
     const Model::BodyRange& body = model.bodies[std::size_t(b)];
     workspace.bodies[std::size_t(b)].cholesky.solve(x.segment(3 * body.first_node, 3 * body.num_nodes));
   });

@@ -8,7 +8,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-from live_page import ActionChains, By, Live, Page, until
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+
+from live_browser import Live, Page, until
 
 
 def main(program, picture):

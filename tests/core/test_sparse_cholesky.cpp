@@ -1,6 +1,8 @@
 #include "core/linear/direct/sparse_cholesky.h"
 
 #include <algorithm>
+#include <csignal>
+#include <thread>
 
 #include "core/element/elastic_energy.h"
 #include "tests/support/bodies.h"
@@ -150,4 +152,23 @@ TEST_CASE("the elimination order holds every node once and keeps what is elimina
   std::sort(nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < nodes.size(); ++i) REQUIRE(nodes[i] == int(i));
   for (const int node : last) CHECK(matrix.ranks[node] >= int(nodes.size()) - 3);  // one connected body
+}
+
+TEST_CASE("orders that are found at the same time are the one that is found alone, and signals stay whose they were") {
+  const Model model = make_model({test::make_block({13, 13, 13}, Vector3d::Zero(), 0.1)}, {});
+  const auto order_of = [&] { return elimination_order(model.hexes, model.num_nodes(), {}); };
+  const std::vector<int> alone = order_of();
+  const auto handler = [] {
+    const auto now = std::signal(SIGTERM, SIG_DFL);
+    std::signal(SIGTERM, now);
+    return now;
+  };
+  const auto before = handler();
+  std::vector<std::vector<int>> together(4);
+  std::vector<std::thread> threads;
+  for (std::vector<int>& order : together) threads.emplace_back([&] { order = order_of(); });
+  for (std::thread& thread : threads) thread.join();
+  const auto same = std::count(together.begin(), together.end(), alone);
+  CHECK(same == 4);
+  CHECK(handler() == before);
 }

@@ -34,3 +34,8 @@ TEST_CASE("frame names have four digits or more") {
   CHECK(frame_name(9999) == "9999");
   CHECK(frame_name(12345) == "12345");
 }
+
+TEST_CASE("a list of frames and its text are each other's inverse") {
+  for (const char* text : {"1", "1-12", "1-3,5,7-8", "12", ""})
+    CHECK(frame_list_text(*text ? parse_frame_list(text) : std::vector<int>()) == text);
+}

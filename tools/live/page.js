@@ -1,95 +1,13 @@
 // The page of umax live: draws what the server sends, and tells it what is wished.
 'use strict';
 
-const $ = id => document.getElementById(id);
-const headerSize = 108, plotSeconds = 8, mostSamples = 4000;
+const plotSeconds = 8, mostSamples = 4000;
 const statusNames = ['converged', 'iteration limit', 'infeasible'], statusClasses = ['good', 'warn', 'bad'];
 
 const live = {socket: null, hello: null, bodies: [], obstacles: [], sliders: [], fields: [], turn: 0, samples: [], frame: null, isNew: false, steers: false, plays: false, pull: null, retry: 500};
 window.umaxLive = live;  // for tests of this page
 
 // ---- the picture
-
-const renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true});
-renderer.setClearColor(0x1b1c1f);
-renderer.gammaOutput = true;
-renderer.gammaFactor = 2.2;
-renderer.shadowMap.enabled = true;
-renderer.shadowMap.type = THREE.PCFSoftShadowMap;
-const scene = new THREE.Scene();
-scene.fog = new THREE.Fog(0x1b1c1f, 9, 30);
-const camera = new THREE.PerspectiveCamera(35, 1, 0.01, 200);
-camera.position.set(2.4, 1.7, 5.2);
-const controls = new THREE.OrbitControls(camera, $('view'));
-controls.enableDamping = true;
-controls.dampingFactor = 0.12;
-controls.target.set(0, 1, 0);
-const sun = new THREE.DirectionalLight(0xfff1e0, 0.95);
-sun.castShadow = true;
-sun.shadow.mapSize.set(2048, 2048);
-sun.shadow.bias = -0.0006;
-sun.shadow.radius = 3;
-scene.add(sun, sun.target, new THREE.HemisphereLight(0xc9d6ea, 0x3a352f, 0.42));
-const rim = new THREE.DirectionalLight(0x9fc0ff, 0.3);
-rim.position.set(-3, 2, -4);
-scene.add(rim);
-const ramp = heatRamp();
-paintRamp($('ramp'));
-const touchPoints = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({color: 0x5ad1ff, size: 7, sizeAttenuation: false, depthTest: false, transparent: true}));
-touchPoints.frustumCulled = false;
-const spring = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({color: 0xffb04a, depthTest: false, transparent: true}));
-spring.frustumCulled = false;
-const hand = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14), new THREE.MeshBasicMaterial({color: 0xffb04a, depthTest: false, transparent: true, opacity: 0.9}));
-scene.add(touchPoints, spring, hand);
-spring.visible = hand.visible = touchPoints.visible = false;
-
-const handles = new THREE.TransformControls(camera, $('view')), handle = new THREE.Object3D();
-handles.setSize(0.7);
-scene.add(handle, handles);
-handles.addEventListener('dragging-changed', event => { controls.enabled = !event.value; live.places = event.value; });
-handles.addEventListener('objectChange', () => { live.placed = true; });
-
-async function fetchBytes(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(path + ': ' + answer.status);
-  return answer.arrayBuffer();
-}
-
-function matrixOf(turn, place) {
-  return new THREE.Matrix4().set(turn[0], turn[1], turn[2], place[0], turn[3], turn[4], turn[5], place[1], turn[6], turn[7], turn[8], place[2], 0, 0, 0, 1);
-}
-
-function groundOf(about) {
-  const mesh = new THREE.Mesh(new THREE.CircleBufferGeometry(60, 64), new THREE.MeshStandardMaterial({color: new THREE.Color().setRGB(0.07, 0.072, 0.078), roughness: 0.95}));
-  const group = new THREE.Group(), grid = new THREE.GridHelper(24, 48, 0x8a8e96, 0x6b6f77);
-  mesh.rotation.x = -Math.PI / 2;
-  mesh.receiveShadow = true;
-  grid.position.y = 0.002;
-  grid.material.transparent = true, grid.material.opacity = 0.22;
-  group.add(mesh, grid);
-  return group;
-}
-
-async function meshOf(about, i) {
-  const bytes = await fetchBytes('/obstacle/' + i), [, numVertices, numTriangles] = new Uint32Array(bytes, 0, 3);
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(bytes, 12, 3 * numVertices), 3));
-  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes, 12 + 12 * numVertices, 3 * numTriangles), 1));
-  const mesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({color: new THREE.Color().setRGB(...about.color), roughness: 0.7, flatShading: true, side: THREE.DoubleSide}));
-  mesh.castShadow = mesh.receiveShadow = true;
-  return mesh;
-}
-
-// The mark of a pin, seen through its body.
-function pinOf(about) {
-  const mark = new THREE.Mesh(new THREE.SphereBufferGeometry(about.radius, 20, 14), new THREE.MeshBasicMaterial({color: 0x5fd0ff, depthTest: false, transparent: true, opacity: 0.8}));
-  mark.renderOrder = 2;
-  mark.matrixAutoUpdate = false;
-  mark.matrix.makeTranslation(...about.place);
-  mark.updateMatrixWorld(true);
-  mark.visible = about.movable;
-  return mark;
-}
 
 // False: another session's meshes have been asked for in the meantime.
 async function build(hello, turn) {
@@ -114,45 +32,6 @@ async function build(hello, turn) {
   return true;
 }
 
-// The boxes of bodies in a picture's bytes; everything that a picture holds.
-function decode(bytes) {
-  const view = new DataView(bytes), f = at => view.getFloat32(at, true), u = at => view.getUint32(at, true), h = at => view.getUint16(at, true);
-  const frame = {
-    status: view.getUint8(1), flags: view.getUint8(2), number: u(4), frame: u(8), step: u(12), firstKept: u(16), lastKept: u(20), missed: u(24),
-    time: f(28), rate: f(32), stepMs: f(36), ratio: f(40), kinetic: f(44), elastic: f(48), potential: f(52), penetration: f(56), residual: f(60),
-    limits: h(64), contacts: h(66), iterations: h(68), retries: h(70), largestStretch: f(72), largestMultiplier: f(76),
-    goal: [f(80), f(84), f(88)], held: [f(92), f(96), f(100)], bodies: [], points: null, moving: []};
-  let at = headerSize;
-  for (const body of live.bodies) {
-    const low = [f(at), f(at + 4), f(at + 8)], extent = [f(at + 12), f(at + 16), f(at + 20)];
-    const places = new Uint16Array(bytes, at + 24, 3 * body.numNodes), nodes = new Float32Array(3 * body.numNodes);
-    for (let i = 0; i < nodes.length; ++i) nodes[i] = low[i % 3] + extent[i % 3] * places[i] / 65535;
-    frame.bodies.push({low, extent, nodes, heat: []});
-    at += 24 + pad(6 * body.numNodes);
-  }
-  const numHexes = live.bodies.reduce((sum, body) => sum + body.numHexes, 0), parts = frame.flags & 16 ? 3 : 2;
-  for (let part = 0; part < parts; ++part)
-    for (let b = 0, from = at + part * numHexes; b < live.bodies.length; from += live.bodies[b++].numHexes)
-      frame.bodies[b].heat.push(new Uint8Array(bytes, from, live.bodies[b].numHexes));
-  at += pad(parts * numHexes);
-  frame.points = decodePoints(bytes, at, h(104), frame.bodies);
-  at += pad(6 * h(104));
-  for (let i = 0; i < h(106); ++i, at += 52) {
-    const numbers = Array.from({length: 12}, (unused, k) => f(at + 4 + 4 * k));
-    frame.moving.push({obstacle: u(at), matrix: matrixOf(numbers.slice(0, 9), numbers.slice(9))});
-  }
-  return frame;
-}
-
-const pad = size => (size + 3) & ~3;
-
-function decodePoints(bytes, at, count, bodies) {
-  const low = [0, 1, 2].map(k => Math.min(...bodies.map(body => body.low[k])));
-  const high = [0, 1, 2].map(k => Math.max(...bodies.map(body => body.low[k] + body.extent[k])));
-  const places = new Uint16Array(bytes, at, 3 * count);
-  return Float32Array.from(places, (value, i) => low[i % 3] + (high[i % 3] - low[i % 3]) * value / 65535);
-}
-
 function showPicture(frame) {
   frame.bodies.forEach((part, b) => live.bodies[b].move(part.nodes, part.heat));
   touchPoints.geometry.dispose();
@@ -168,30 +47,6 @@ function showPicture(frame) {
     hand.position.copy(goal);
     hand.scale.setScalar(0.006 * camera.position.distanceTo(goal));
   }
-}
-
-// Looks at the first picture so that body and ground are seen.
-function frameView(frame) {
-  const low = new THREE.Vector3(Infinity, Infinity, Infinity), high = low.clone().negate();
-  for (const body of frame.bodies) {
-    const a = new THREE.Vector3(...body.low);
-    low.min(a), high.max(a.clone().add(new THREE.Vector3(...body.extent)));
-  }
-  const size = high.distanceTo(low), middle = low.clone().add(high).multiplyScalar(0.5);
-  const floor = live.hello.obstacles.filter(about => about.plane && about.visible).map(about => about.place[1]).filter(y => y <= low.y + 1e-3);
-  const bottom = floor.length ? Math.max(Math.max(...floor), low.y - 2 * size) : low.y;
-  middle.y = (bottom + high.y) / 2;
-  const reach = Math.max(size, high.y - bottom) * 1.35;
-  controls.target.copy(middle);
-  camera.position.copy(middle).add(new THREE.Vector3(0.42, 0.2, 0.9).normalize().multiplyScalar(reach / Math.tan(0.5 * camera.fov * Math.PI / 180) * 0.62));
-  camera.near = reach / 200, camera.far = reach * 60;
-  camera.updateProjectionMatrix();
-  scene.fog.near = reach * 2.2, scene.fog.far = reach * 7;
-  sun.position.copy(middle).add(new THREE.Vector3(0.5, 1, 0.45).normalize().multiplyScalar(3 * reach));
-  sun.target.position.copy(middle);
-  Object.assign(sun.shadow.camera, {left: -1.5 * reach, right: 1.5 * reach, top: 1.5 * reach, bottom: -1.5 * reach, near: 0.1 * reach, far: 7 * reach});
-  sun.shadow.camera.updateProjectionMatrix();
-  controls.update();
 }
 
 // ---- what is said beside it
@@ -316,10 +171,10 @@ function take(bytes) {
   }
   live.waiting = null;
   const first = !live.frame;
-  live.frame = decode(bytes);
+  live.frame = decode(bytes, live.bodies);
   live.isNew = true;
   keepSample(live.frame);
-  if (first && !live.framed) frameView(live.frame);
+  if (first && !live.framed) frameView(live.frame, live.hello.obstacles);
   live.framed = true;
   wish('seen', {frame: live.frame.number});
 }
@@ -398,6 +253,8 @@ function endPull() {
 
 $('view').addEventListener('pointerdown', startPull, true);
 $('view').addEventListener('mousedown', event => { if (live.pull) event.stopImmediatePropagation(); }, true);
+handles.addEventListener('dragging-changed', event => { controls.enabled = !event.value; live.places = event.value; });
+handles.addEventListener('objectChange', () => { live.placed = true; });
 window.addEventListener('pointermove', movePull);
 window.addEventListener('pointerup', endPull);
 window.addEventListener('pointercancel', endPull);
@@ -420,18 +277,6 @@ window.addEventListener('keydown', event => {
 });
 
 // ---- the beat
-
-function fit() {
-  const width = $('stage').clientWidth, height = $('stage').clientHeight, scale = Math.min(2, window.devicePixelRatio || 1);
-  const size = renderer.getDrawingBufferSize(new THREE.Vector2());
-  if (Math.abs(size.x - width * scale) < 2 && Math.abs(size.y - height * scale) < 2) return;
-  renderer.setPixelRatio(scale);
-  renderer.setSize(width, height, false);
-  camera.aspect = width / height;
-  const below = document.body.clientWidth > 860 ? 64 : 0;  // what stands on plots is seen
-  camera.setViewOffset(width, height, 0, below, width, height);
-  camera.updateProjectionMatrix();
-}
 
 function draw() {
   requestAnimationFrame(draw);

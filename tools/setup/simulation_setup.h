@@ -53,9 +53,6 @@ struct Simulation {
   int last_frame() const { return scene.clip.frames; }
 };
 
-/// The cage options that a scene's cage key means; not for cage.mesh.
-CageOptions cage_options(const CageDescription& cage);
-
 /// The mesh of an obstacle that has one as it is at a time [s], in the obstacle's own frame [m], with normals.
 std::shared_ptr<const TriangleMesh> obstacle_mesh(const Simulation& simulation, std::size_t obstacle, double time);
 

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "embedding/cage/voxelize.h"
-#include "tools/setup/simulation_setup.h"
+#include "tools/setup/body_cage.h"
+#include "tools/setup/body_shape.h"
 
 namespace umax {
 namespace {

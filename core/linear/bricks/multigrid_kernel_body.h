@@ -207,16 +207,27 @@ inline void sweep_slices(const SliceSweep& sweep, int first, int last) {
   }
 }
 
-// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set, in a namespace of its own
-extern const HexKernels kernels;
-constexpr HexKernels kernels = {{sweep_runs<float, float, Epilogue::apply>,
-                                 sweep_runs<float, float, Epilogue::residual>,
-                                 sweep_runs<float, float, Epilogue::chebyshev>}};
+inline constexpr HexKernels hex_kernels = {{sweep_runs<float, float, Epilogue::apply>,
+                                            sweep_runs<float, float, Epilogue::residual>,
+                                            sweep_runs<float, float, Epilogue::chebyshev>}};
 
-extern const MultigridKernels grid_kernels;
-constexpr MultigridKernels grid_kernels = {invert_blocks,     coarsen_frames, find_rotations, restrict_nodes<3>,
-                                           restrict_nodes<1>, prolong,        block_jacobi,   turn,
-                                           sweep_slices};
-// NOLINTEND(misc-definitions-in-headers)
+inline constexpr MultigridKernels multigrid_kernels = {
+    invert_blocks, coarsen_frames, find_rotations, restrict_nodes<3>, restrict_nodes<1>,
+    prolong,       block_jacobi,   turn,           sweep_slices};
 
 }  // namespace umax::UMAX_SIMD
+
+namespace umax {
+
+// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set
+template <>
+const HexKernels& kernels_for<HexKernels, InstructionSet::UMAX_SIMD>() {
+  return UMAX_SIMD::hex_kernels;
+}
+template <>
+const MultigridKernels& kernels_for<MultigridKernels, InstructionSet::UMAX_SIMD>() {
+  return UMAX_SIMD::multigrid_kernels;
+}
+// NOLINTEND(misc-definitions-in-headers)
+
+}  // namespace umax

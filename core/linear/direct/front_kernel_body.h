@@ -113,7 +113,17 @@ inline void update(const Front& front, int first, int count, int begin, int end)
   for (; column < end; ++column) tiles<1, false>(front, column, column, first, count);
 }
 
-extern const FrontKernels front_kernels;
-const FrontKernels front_kernels{&eliminate, &update};
+inline constexpr FrontKernels front_kernels{&eliminate, &update};
 
 }  // namespace umax::UMAX_SIMD
+
+namespace umax {
+
+// NOLINTBEGIN(misc-definitions-in-headers): included once for each instruction set
+template <>
+const FrontKernels& kernels_for<FrontKernels, InstructionSet::UMAX_SIMD>() {
+  return UMAX_SIMD::front_kernels;
+}
+// NOLINTEND(misc-definitions-in-headers)
+
+}  // namespace umax

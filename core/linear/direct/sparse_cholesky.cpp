@@ -84,6 +84,14 @@ cholmod_sparse lower_triangle(std::size_t size, std::size_t entries, const int* 
   return view;
 }
 
+// METIS draws from the process's only sequence of random numbers, which it begins anew, and has SIGTERM and SIGABRT for
+// itself until it ends: of two calls at once each would find another order, and what was there before would not come back.
+bool order_by_nested_dissection(cholmod_sparse& graph, std::vector<int>& order, cholmod_common& common) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  return cholmod_metis(&graph, nullptr, 0, true, order.data(), &common);
+}
+
 cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
   return lower_triangle(std::size_t(matrix.num_unknowns()), matrix.row_indices.size(), matrix.column_starts.data(),
                         matrix.row_indices.data(), matrix.values.data());
@@ -112,9 +120,8 @@ std::vector<int> elimination_order(const Hexes& hexes, Eigen::Index num_nodes, c
   common.print = 0;
   common.error_handler = nullptr;
   std::vector<int> order(graph.ncol);
-  const bool ordered = num_nodes < nested_dissection_nodes
-                           ? cholmod_amd(&graph, nullptr, 0, order.data(), &common)
-                           : cholmod_metis(&graph, nullptr, 0, true, order.data(), &common);
+  const bool ordered = num_nodes < nested_dissection_nodes ? cholmod_amd(&graph, nullptr, 0, order.data(), &common)
+                                                           : order_by_nested_dissection(graph, order, common);
   std::stable_partition(order.begin(), order.end(),
                         [&](int node) { return !std::binary_search(last.begin(), last.end(), node); });
   // the symbolic factor's own order is the postordered one
@@ -166,7 +173,7 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
   return done;
 }
 
-void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
+void for_each_solve(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
   const Eigen::Index at_once = blas_is_reentrant() ? 1 : std::max<Eigen::Index>(1, count);
   parallel_blocks(count, at_once, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) visit(i);

@@ -42,9 +42,10 @@ class SparseCholesky {
   std::unique_ptr<Data> data_;
 };
 
-/// Calls visit(i) for 0 <= i < count, each with a factor of its own: in parallel where the BLAS allows it. Debian's
-/// serial OpenBLAS does not, as its calls share buffers; its pthread one does.
-void for_each_factor(Eigen::Index count, const std::function<void(Eigen::Index)>& visit);
+/// Calls visit(i) for 0 <= i < count, each of which may solve with factors of its own: in parallel where the BLAS allows it.
+/// Debian's serial OpenBLAS does not, as its calls share buffers; its pthread one does. SparseCholesky::factorize() calls no
+/// BLAS: what does nothing else needs no such care.
+void for_each_solve(Eigen::Index count, const std::function<void(Eigen::Index)>& visit);
 
 /// A Cholesky factor's columns in groups with the same rows, as CHOLMOD stores them: of group s the columns starts[s]
 /// .. starts[s + 1], its rows (diagonal ones first) from row_starts[s] on, values by columns from value_starts[s] on.
