@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@ constexpr Eigen::Index bricks_per_block = 8, terms_per_block = 4096;
 constexpr int line_values = brick_lanes * vector_components;
 
 using Sums = std::array<double, most_directions>;
+using LaneSums = std::array<double, brick_lanes / 2>;  // that are added up at the end of a block
 
 // Calls body(begin, end, sums to add to) for blocks of [0, count), in parallel; the sums, in a fixed order.
 template <class Body>
@@ -39,9 +41,11 @@ Sums sum_over_blocks(Eigen::Index count, Eigen::Index grain, const Body& body) {
 template <class Body>
 Sums sum_over_lines(const BrickLattice& lattice, const Body& body) {
   const auto of_bricks = [&](Eigen::Index begin, Eigen::Index end, Sums& sums) {
+    std::array<LaneSums, most_directions> lanes{};
     for (Eigen::Index b = begin; b < end; ++b)
       for (std::uint64_t lines = lattice.bricks[b].node_lines; lines != 0; lines &= lines - 1)
-        body((std::size_t(b) * brick_lines + std::size_t(std::countr_zero(lines))) * line_values, sums);
+        body((std::size_t(b) * brick_lines + std::size_t(std::countr_zero(lines))) * line_values, lanes);
+    for (int k = 0; k < most_directions; ++k) sums[k] += std::accumulate(lanes[k].begin(), lanes[k].end(), 0.0);
   };
   return sum_over_blocks(Eigen::Index(lattice.bricks.size()), bricks_per_block, of_bricks);
 }
@@ -56,13 +60,12 @@ Sums sum_over_terms(Eigen::Index count, const Body& body) {
   return sum_over_blocks(count, terms_per_block, of_terms);
 }
 
-double line_product(const float* a, const float* b) {
+void add_product(const float* a, const float* b, LaneSums& sums) {
   float lanes[brick_lanes] = {};
   for (int i = 0; i < line_values; i += brick_lanes)
     for (int lane = 0; lane < brick_lanes; ++lane) lanes[lane] += a[i + lane] * b[i + lane];
-  double sum = 0;
-  for (const float lane : lanes) sum += double(lane);
-  return sum;
+  for (std::size_t lane = 0; lane < sums.size(); ++lane)
+    sums[lane] += double(lanes[lane]) + double(lanes[lane + sums.size()]);
 }
 
 void add_line(float factor, const float* a, float* to) {
@@ -72,8 +75,8 @@ void add_line(float factor, const float* a, float* to) {
 // what of an image each of the directions' images makes up; weight: of terms
 Sums shares_of(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& directions,
                const AlignedArray<float>& image, const VectorXd& term_image) {
-  Sums shares = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
-    for (std::size_t k = 0; k < directions.size(); ++k) sums[k] += line_product(&image[at], &directions[k]->image[at]);
+  Sums shares = sum_over_lines(lattice, [&](std::size_t at, auto& sums) {
+    for (std::size_t k = 0; k < directions.size(); ++k) add_product(&image[at], &directions[k]->image[at], sums[k]);
   });
   const Sums of_terms = sum_over_terms(term_image.size(), [&](const auto& of, Sums& sums) {
     for (std::size_t k = 0; k < directions.size(); ++k) sums[k] += of(term_image).dot(of(directions[k]->term_image));
@@ -95,12 +98,12 @@ std::vector<const Direction*> kept(const SaddlePoint& point) {
 void orthogonalise(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& others,
                    Direction& d) {
   const Sums shares = shares_of(lattice, weight, others, d.image, d.term_image);
-  d.square = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
+  d.square = sum_over_lines(lattice, [&](std::size_t at, auto& sums) {
     for (std::size_t k = 0; k < others.size(); ++k) {
       add_line(float(-shares[k]), &others[k]->x[at], &d.x[at]);
       add_line(float(-shares[k]), &others[k]->image[at], &d.image[at]);
     }
-    sums[0] += line_product(&d.image[at], &d.image[at]);
+    add_product(&d.image[at], &d.image[at], sums[0]);
   })[0];
   d.square += weight * sum_over_terms(d.y.size(), [&](const auto& of, Sums& sums) {
                 for (std::size_t k = 0; k < others.size(); ++k) {
@@ -115,12 +118,12 @@ void orthogonalise(const BrickLattice& lattice, double weight, const std::vector
 double advance(const BrickLattice& lattice, double weight, const std::vector<const Direction*>& directions,
                SaddlePoint& point) {
   const Sums along = shares_of(lattice, weight, directions, point.residual, point.term_residual);
-  const double square = sum_over_lines(lattice, [&](std::size_t at, Sums& sums) {
+  const double square = sum_over_lines(lattice, [&](std::size_t at, auto& sums) {
     for (std::size_t k = 0; k < directions.size(); ++k) {
       add_line(float(along[k]), &directions[k]->x[at], &point.x[at]);
       add_line(float(-along[k]), &directions[k]->image[at], &point.residual[at]);
     }
-    sums[0] += line_product(&point.residual[at], &point.residual[at]);
+    add_product(&point.residual[at], &point.residual[at], sums[0]);
   })[0];
   const double term_square = sum_over_terms(point.y.size(), [&](const auto& of, Sums& sums) {
     for (std::size_t k = 0; k < directions.size(); ++k) {
