@@ -281,7 +281,8 @@ TEST_CASE("a closed surface that moves has no holes: not at its edges and not at
   const TracedObject object = make_traced_object(scene.objects[0]);
   Numbers number(13);
   int num_missed = 0, num_unfinished = 0;
-  for (unsigned t = 0; t < object.triangles.size(); ++t) {
+  for (std::size_t k = 0; k < 30 * object.triangles.size(); ++k) {
+    const std::size_t t = k % object.triangles.size();
     const float time = float(0.5 + 0.4999 * number());
     const TracedObject::Instant instant = object.at(time);
     const auto corner = [&](int c) -> Vector3f {
