@@ -1,10 +1,11 @@
-// The triangles of a scene in the form that rays are traced against. Embree stays behind this header.
+// The objects of a scene, and what rays meet of them.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "render/trace/ray_hierarchy.h"
 #include "render/trace/surface_points.h"
 
 namespace umax {
@@ -21,16 +22,12 @@ struct ReplayResult {
   double seconds = 0;
 };
 
-enum class HierarchyBuild {
-  good,  // for pictures of many paths
-  fast,  // three times as fast to build, rays take a little longer
-};
-
 class RayScene {
  public:
   /// Copies what it needs and builds the hierarchy on all threads. Throws Error 65 for indices out of range and
-  /// positions that are not finite.
-  explicit RayScene(const RenderScene& scene, HierarchyBuild build = HierarchyBuild::good);
+  /// positions that are not finite. cache: for scenes that follow each other; results do not depend on it.
+  explicit RayScene(const RenderScene& scene, HierarchyBuild build = HierarchyBuild::good,
+                    ClusterCache* cache = nullptr);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;

@@ -63,7 +63,11 @@ void SurfacePoints::gather(const std::vector<TracedObject>& objects, const RayRo
   for (int i = 0; i < count; ++i) __builtin_prefetch(&objects[hits.object[i]].triangles[hits.triangle[i]]);
   for (int i = 0; i < count; ++i) {
     const TracedObject& object = objects[hits.object[i]];
-    for (const unsigned index : object.triangles[hits.triangle[i]].index) __builtin_prefetch(&object.vertices[index]);
+    const TracedObject::Instant instant = object.at(rays.time[i]);
+    for (const unsigned index : object.triangles[hits.triangle[i]].index) {
+      __builtin_prefetch(&object.vertices[instant.before + index]);
+      if (object.is_moving()) __builtin_prefetch(&object.vertices[instant.after + index]);
+    }
   }
   for (int i = 0; i < count; ++i) {
     const TracedObject& object = objects[hits.object[i]];

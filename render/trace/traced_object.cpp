@@ -37,10 +37,10 @@ void copy_all_vertices(const RenderObject& object, TracedObject& traced) {
   std::vector<const TriangleMesh*> instants;
   for (const auto& instant : object.motion.instants) instants.push_back(instant.get());
   if (instants.size() < 2) instants = {object.mesh.get()};
-  traced.num_instants = int(instants.size());
+  traced.instants = {.num_instants = int(instants.size()),
+                     .first = object.motion.first,
+                     .segments_per_time = float(instants.size() - 1) / (object.motion.last - object.motion.first)};
   traced.num_vertices = std::size_t(object.mesh->num_vertices());
-  traced.first = object.motion.first;
-  traced.last = object.motion.last;
   traced.has_normals =
       std::all_of(instants.begin(), instants.end(), [](const auto* mesh) { return has_normals(*mesh); });
   traced.vertices.resize(instants.size() * traced.num_vertices);
@@ -111,11 +111,10 @@ Vector3f texture_color(const Image& image, const Vector2f& uv) {
 
 TracedObject::Instant TracedObject::at(float time) const {
   if (!is_moving()) return {};
-  const float position = std::clamp((time - first) / (last - first), 0.0f, 1.0f) * float(num_instants - 1);
-  const int segment = std::min(int(position), num_instants - 2);
-  return {.before = std::size_t(segment) * num_vertices,
-          .after = std::size_t(segment + 1) * num_vertices,
-          .share = position - float(segment)};
+  const InstantTimes::Place place = instants.at(time);
+  return {.before = std::size_t(place.segment) * num_vertices,
+          .after = std::size_t(place.segment + 1) * num_vertices,
+          .share = place.share};
 }
 
 Vector3f TracedObject::face(unsigned triangle, float time) const {

@@ -1,6 +1,7 @@
 // An object in the form that rays are traced against and surfaces are looked up in.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -8,6 +9,23 @@
 #include "render/scene/render_scene.h"
 
 namespace umax {
+
+/// Even times at which vertices are known: between two of them they go straight, before and after all they rest.
+struct InstantTimes {
+  int num_instants = 1;
+  float first = 0, segments_per_time = 0;
+  struct Place {
+    int segment = 0;
+    float share = 0;  // of the instant after it
+  };
+  /// Of at least two instants.
+  Place at(float time) const {
+    const float position = std::clamp((time - first) * segments_per_time, 0.0f, float(num_instants - 1));
+    const int segment = std::min(int(position), num_instants - 2);
+    return {.segment = segment, .share = position - float(segment)};
+  }
+  float time_of(int instant) const { return first + float(instant) / segments_per_time; }
+};
 
 struct TracedObject {
   // a vertex in half a cache line; the ray library reads the position in place
@@ -17,6 +35,7 @@ struct TracedObject {
   };
   struct Corners {
     unsigned index[3];
+    bool operator==(const Corners&) const = default;
   };
   // a vertex's place among the instants
   struct Instant {
@@ -26,8 +45,7 @@ struct TracedObject {
 
   std::vector<Vertex> vertices;  // of all instants, one after the other
   std::size_t num_vertices = 0;  // of one
-  int num_instants = 1;
-  float first = 0, last = 1;  // times of the first and the last instant
+  InstantTimes instants;
   std::vector<Corners> triangles;
   std::vector<Vector3f> colors;               // per vertex, or empty
   std::vector<Vector2f> texture_coordinates;  // per triangle corner, or empty
@@ -35,7 +53,7 @@ struct TracedObject {
   std::vector<Paint> paints;
   bool has_normals = false;
 
-  bool is_moving() const { return num_instants > 1; }
+  bool is_moving() const { return instants.num_instants > 1; }
   Instant at(float time) const;
   /// Normal of a triangle, not of unit length, on the side from which its corners run counter-clockwise.
   Vector3f face(unsigned triangle, float time) const;

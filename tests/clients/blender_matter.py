@@ -17,7 +17,7 @@ from exr import Exr  # noqa: E402
 
 WIDTH, HEIGHT = 160, 120
 MOST_FLIP = 0.05
-MOST_FLIP_FROSTED = 0.06  # Cycles' GGX loses what bounces among the facets, here it stays: 1 to 3 % brighter
+MOST_FLIP_FROSTED = 0.06  # as if Cycles' blurred less, with GGX as with MULTI_GGX: see docs/measurements.md
 CAMERA, TARGET, FOV = (0.3, 1.5, 3.6), (0, 0.55, 0), 28
 LAMP, LAMP_TARGET, LAMP_SIZE, LAMP_POWER = (-2.0, 3.2, 1.6), (0, 0.4, 0), 1.8, 260
 SKY = (0.35, 0.38, 0.45)

@@ -30,12 +30,16 @@ bool is_at_rest(const BodySetup& body, const std::vector<State>& states) {
                      [&](const State& state) { return nodes_of(body, state) == nodes_of(body, states.front()); });
 }
 
+/// drawn: of the frame's own state.
 void add_body_motion(const Simulation& simulation, const BodySetup& body, const std::vector<State>& states,
-                     const Exposure& exposure, SurfaceMotion& motion) {
+                     const Exposure& exposure, int frame, RenderObject& drawn) {
   if (is_at_rest(body, states)) return;
+  SurfaceMotion& motion = drawn.motion;
   motion.first = exposure.share(exposure.first_state());
   motion.last = exposure.share(exposure.last_state());
-  for (const State& state : states) motion.instants.push_back(surface_at(simulation, body, state));
+  for (int k = exposure.first_state(); k <= exposure.last_state(); ++k)
+    motion.instants.push_back(
+        k == frame ? drawn.mesh : surface_at(simulation, body, states[std::size_t(k - exposure.first_state())]));
 }
 
 bool is_same(const Pose& a, const Pose& b) {
@@ -87,7 +91,7 @@ void add_motion(const Simulation& simulation, const Stage& stage, const std::vec
   if (!exposure.is_open()) return;
   shot.moment = exposure.share(frame);
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i)
-    add_body_motion(simulation, simulation.bodies[i], states, exposure, shot.objects[i].motion);
+    add_body_motion(simulation, simulation.bodies[i], states, exposure, frame, shot.objects[i]);
 
   const double now = states[std::size_t(frame - exposure.first_state())].time;
   const auto time_of = [&](double place) { return now + (place - frame) / simulation.scene.clip.fps; };

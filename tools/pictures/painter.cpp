@@ -17,6 +17,7 @@ namespace umax {
 struct Painter::Engine {
   std::optional<Rasterizer> rasterizer;
   int threads = 0;
+  ClusterCache clusters;             // of meshes that move
   std::map<int, TracedShot> traced;  // by frame: what filters look at
 };
 
@@ -88,7 +89,7 @@ std::optional<DrawnPicture> Painter::draw(const PictureList& list, int frame) {
 bool Painter::make(const RenderScene& shot, const Use& use) {
   TracedPicture picture;
   if (render_.engine == RenderEngine::embree) {
-    TracedShot traced = trace_shot(shot, render_, {});
+    TracedShot traced = trace_shot(shot, render_, {}, &engine_->clusters);
     if (stop_flag()) return false;
     picture = finish_picture(traced, render_, {}, 0);
   } else {
@@ -109,7 +110,7 @@ bool Painter::make(const PictureList& list, int frame, const Use& use) {
   for (int k = window.first; k <= window.last; ++k) {
     if (!traced.count(k)) {
       const bool is_drawn = std::binary_search(list.frames.begin(), list.frames.end(), k);
-      TracedShot shot = trace_shot(is_drawn ? list.shot(k) : list.beside(k), render_, k);
+      TracedShot shot = trace_shot(is_drawn ? list.shot(k) : list.beside(k), render_, k, &engine_->clusters);
       if (stop_flag()) return false;
       traced.emplace(k, std::move(shot));
     }

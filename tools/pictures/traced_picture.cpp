@@ -157,8 +157,9 @@ Image filter_gathered(const TracedImage& image, const std::vector<const ClipFram
   return denoise(image, gather_light(window, centre), {.radius = gathered_radius});
 }
 
-TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::optional<int> frame) {
-  const RayScene rays(shot, hierarchy_for(shot, render));
+TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::optional<int> frame,
+                      ClusterCache* clusters) {
+  const RayScene rays(shot, hierarchy_for(shot, render), clusters);
   PathTraceOptions options = trace_options(render, frame);
   TracedShot traced;
   if (render.has_layer(PictureLayer::cryptomatte)) {

@@ -8,6 +8,7 @@
 #include "render/image/image_io.h"
 #include "render/trace/clip_frame.h"
 #include "render/trace/surface_data.h"
+#include "render/trace/triangle_clusters.h"
 #include "scenes/scene.h"
 
 namespace umax {
@@ -30,8 +31,9 @@ struct TracedShot {
 };
 
 /// frame: its number, for a filter that looks at other frames; none: of a picture by itself. Unfinished when a signal
-/// asked to stop meanwhile.
-TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::optional<int> frame);
+/// asked to stop meanwhile. clusters: kept from shot to shot, or none.
+TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::optional<int> frame,
+                      ClusterCache* clusters = nullptr);
 
 /// The colour of a frame, the window's number `centre`, from the light that all of the window show.
 Image filter_gathered(const TracedImage& image, const std::vector<const ClipFrame*>& window, std::size_t centre);
