@@ -88,24 +88,21 @@ class Numbering {
   std::vector<int> slots_;
 };
 
-// (A + G C^-1 G^T)^-1 between nodes of the last level
+// (A + G C^-1 G^T)^-1 = A^-1 - A^-1 G S^-1 G^T A^-1,  S = C + G^T A^-1 G, between nodes of the last level
 MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& terms, const std::vector<int>& slots) {
   const std::vector<int>& all = multigrid.dense_slots;
-  std::vector<Eigen::Index> rows;
-  for (const int slot : slots) rows.push_back(std::lower_bound(all.begin(), all.end(), slot) - all.begin());
-  MatrixXd columns = MatrixXd::Zero(3 * Eigen::Index(all.size()), 3 * Eigen::Index(slots.size()));
-  const auto is_free = [&](std::size_t i) { return multigrid.levels.back().matrix.diagonal[slots[i]] > 0; };
+  const auto is_free = [&](int slot) { return multigrid.levels.back().matrix.diagonal[slot] > 0; };
+  MatrixXd half = MatrixXd::Zero(3 * Eigen::Index(all.size()), 3 * Eigen::Index(slots.size()));  // L^-1 of A = L L^T
   for (std::size_t i = 0; i < slots.size(); ++i)
-    if (is_free(i)) columns.block<3, 3>(3 * rows[i], 3 * Eigen::Index(i)).setIdentity();
-  multigrid.dense.solveInPlace(columns);
-  MatrixXd inverse(columns.cols(), columns.cols());
-  for (std::size_t i = 0; i < slots.size(); ++i)
-    inverse.middleRows<3>(3 * Eigen::Index(i)) = columns.middleRows<3>(3 * rows[i]);
+    if (is_free(slots[i]))
+      half.block<3, 3>(3 * (std::lower_bound(all.begin(), all.end(), slots[i]) - all.begin()), 3 * Eigen::Index(i))
+          .setIdentity();
+  multigrid.dense.matrixL().solveInPlace(half);
+  MatrixXd inverse = half.transpose() * half;
   if (!terms.has_dense) return inverse;
-  MatrixXd responses(inverse.rows(), terms.responses.cols());
-  for (std::size_t i = 0; i < slots.size(); ++i)
-    responses.middleRows<3>(3 * Eigen::Index(i)) = terms.responses.middleRows<3>(3 * rows[i]);
-  inverse -= responses * terms.dense.solve(responses.transpose());
+  MatrixXd through_terms = terms.half_responses.transpose() * half;
+  terms.dense.matrixL().solveInPlace(through_terms);
+  inverse -= through_terms.transpose() * through_terms;
   return inverse;
 }
 

@@ -26,18 +26,27 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
   return current;
 }
 
+AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
+  VectorXd x = dense_values(multigrid, b);
+  multigrid.dense.solveInPlace(x);
+  return set_dense_values(x, multigrid);
+}
+
 }  // namespace
 
-AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
-  MultigridLevel& level = multigrid.levels.back();
+VectorXd dense_values(const Multigrid& multigrid, const AlignedArray<float>& vector) {
   const std::vector<int>& slots = multigrid.dense_slots;
-  VectorXd x;
-  from_bricks(slots, b, x);
+  VectorXd values;
+  from_bricks(slots, vector, values);
   for (std::size_t i = 0; i < slots.size(); ++i)
-    if (!(level.matrix.diagonal[slots[i]] > 0)) x.segment<3>(3 * Eigen::Index(i)).setZero();
-  multigrid.dense.solveInPlace(x);
-  to_bricks(slots, x, level.x[0]);
-  return level.x[0];
+    if (!(multigrid.levels.back().matrix.diagonal[slots[i]] > 0)) values.segment<3>(3 * Eigen::Index(i)).setZero();
+  return values;
+}
+
+AlignedArray<float>& set_dense_values(const VectorXd& values, Multigrid& multigrid) {
+  AlignedArray<float>& x = multigrid.levels.back().x[0];
+  to_bricks(multigrid.dense_slots, values, x);
+  return x;
 }
 
 void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain) {

@@ -15,8 +15,10 @@ void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArr
 /// x += P correction at free nodes.
 void prolong(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& correction, int current);
 
-/// A^-1 b on the last level, which must be factored: in its first array.
-AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b);
+/// A vector's values at the nodes of the last level, where that is factored, in its factor's order: 0 at those that are not
+/// free. And the other way round, to the level's first array.
+VectorXd dense_values(const Multigrid& multigrid, const AlignedArray<float>& vector);
+AlignedArray<float>& set_dense_values(const VectorXd& values, Multigrid& multigrid);
 
 /// One V-cycle from this level on: x ~ A^-1 b, in one of the level's two arrays; `product` becomes b . x, but where the
 /// level is the last one and factored.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/linear/multigrid/multigrid_cycle.h"
 
 namespace umax {
@@ -14,6 +15,7 @@ constexpr double damping = 1.9;         // w lambda, lambda the largest eigenval
 constexpr int smoothings = 2;           // before the coarser level, and after it: one does not converge
 constexpr int coarsest_smoothings = 8;  // where the last level is not factored
 constexpr Eigen::Index most_dense_terms = 1000;  // on the last level, for it to be factored
+constexpr Eigen::Index columns_per_block = 64;
 
 using Vector24f = RankOneTerms::Vector24f;
 
@@ -92,9 +94,13 @@ void set_up_last(const Multigrid& multigrid, SaddlePointMultigrid& coupled) {
       for (int t = hex.first; t < hex.end; ++t)
         G.block<3, 1>(3 * row, t) = level.terms.vectors[t].segment<3>(3 * n).cast<double>();
     }
-  coupled.responses = multigrid.dense.solve(G);
-  MatrixXd S = G.transpose() * coupled.responses;
-  S.diagonal() += level.own.cast<double>();
+  parallel_blocks(count, columns_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    auto columns = G.middleCols(begin, end - begin);
+    multigrid.dense.matrixL().solveInPlace(columns);
+  });
+  MatrixXd S = level.own.cast<double>().asDiagonal();
+  S.selfadjointView<Eigen::Lower>().rankUpdate(G.transpose());
+  coupled.half_responses = std::move(G);
   coupled.dense.compute(S);
 }
 
@@ -150,15 +156,16 @@ float damping_of(const MultigridLevel& grid) {
 
 AlignedArray<float>& solve_last(Multigrid& multigrid, const SaddlePointMultigrid& coupled, const AlignedArray<float>& b,
                                 const VectorXf& q, VectorXf& y) {
-  AlignedArray<float>& x = solve_dense(multigrid, b);
-  const SaddlePointLevel& level = coupled.levels.back();
-  if (q.size() == 0) return x;
-  const VectorXd solved = coupled.dense.solve((products(level, x) - q).cast<double>());
-  y = solved.cast<float>();
-  const VectorXd moved = coupled.responses * solved;
-  for (std::size_t i = 0; i < multigrid.dense_slots.size(); ++i)
-    add_at_node(multigrid.dense_slots[i], -moved.segment<3>(3 * Eigen::Index(i)).cast<float>(), x);
-  return x;
+  VectorXd x = dense_values(multigrid, b);
+  multigrid.dense.matrixL().solveInPlace(x);
+  if (q.size() > 0) {
+    const MatrixXd& H = coupled.half_responses;
+    const VectorXd solved = coupled.dense.solve(H.transpose() * x - q.cast<double>());
+    y = solved.cast<float>();
+    x -= H * solved;
+  }
+  multigrid.dense.matrixU().solveInPlace(x);
+  return set_dense_values(x, multigrid);
 }
 
 // v: the right-hand side, b; becomes b - G y. Returns x.

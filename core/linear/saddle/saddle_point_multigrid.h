@@ -30,7 +30,7 @@ struct SaddlePointLevel {
 
 struct SaddlePointMultigrid {
   std::vector<SaddlePointLevel> levels;    // as the multigrid's
-  MatrixXd responses;                      // of the last level, if it is factored: A^-1 G,
+  MatrixXd half_responses;                 // of the last level, if it is factored as L L^T: L^-1 G,
   Eigen::LLT<MatrixXd> dense{MatrixXd()};  // and C + G^T A^-1 G
   bool has_dense = false;
   AlignedArray<float> rest;  // of the first level: b - G y
