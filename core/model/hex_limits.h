@@ -13,6 +13,11 @@ void append_limits(const Body& body, Eigen::Index first_hex, Model& model);
 /// energy only. It names the body.
 void require_measurable(const Model& model, EnergyMeasure measure);
 
+/// Does the limit bound what elasticity has as its energy, and not a part of it or another measure?
+inline bool bounds_elastic_energy(const HexLimit& limit, EnergyMeasure measure) {
+  return limit.form < 0 && measure == EnergyMeasure::true_energy;
+}
+
 /// U [J] that the limit bounds, and its C = 1 - U/U_max [-].
 double limited_energy(const Model& model, EnergyMeasure measure, const HexLimit& limit, double young,
                       const CorotatedHex& hex);

@@ -82,15 +82,15 @@ void evaluate_limit(const StepProblem& problem, int l, const HexBatch& batch, in
   const SolverOptions& solver = problem.options->solver;
   const HexLimit& limit = model.limits[l];
   const double young = problem.materials.young[limit.hex];
-  const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
+  const bool is_elastic = bounds_elastic_energy(limit, solver.energy);
   const bool own_gradients = evaluation.limit.cols() > 0;
-  if (true_whole) evaluation.energy[l] = evaluation.elastic_energy[limit.hex];
-  if (true_whole && solver.jacobian == LimitJacobian::exact) {
+  if (is_elastic) evaluation.energy[l] = evaluation.elastic_energy[limit.hex];
+  if (is_elastic && solver.jacobian == LimitJacobian::exact) {
     if (own_gradients) evaluation.limit.col(l) = evaluation.elastic.col(limit.hex);
     return;
   }
   const CorotatedHex hex = corotated_hex(batch, lane);
-  if (!true_whole) evaluation.energy[l] = limited_energy(model, solver.energy, limit, young, hex);
+  if (!is_elastic) evaluation.energy[l] = limited_energy(model, solver.energy, limit, young, hex);
   if (own_gradients)
     evaluation.limit.col(l) =
         limited_gradient(model, solver.energy, solver.jacobian, solver.rotation, limit, young, hex);

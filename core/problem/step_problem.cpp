@@ -129,11 +129,10 @@ VectorXd limit_ratios(const Model& model, const SolverOptions& solver, const Mat
     evaluate_hexes(model, solver.rotation, positions, begin, end, [&](Eigen::Index e, const HexBatch& batch, int lane) {
       for (int l = model.limit_starts[e]; l < model.limit_starts[e + 1]; ++l) {
         const HexLimit& limit = model.limits[l];
-        const bool true_whole = limit.form < 0 && solver.energy == EnergyMeasure::true_energy;
-        const double young = materials.young[e];
-        ratios[l] = true_whole ? elastic_energy(young, batch, lane) / materials.limits[l]
-                               : 1 - limit_value(model, solver.energy, limit, young, materials.limits[l],
-                                                 corotated_hex(batch, lane));
+        const double young = materials.young[e], most = materials.limits[l];
+        ratios[l] = bounds_elastic_energy(limit, solver.energy)
+                        ? elastic_energy(young, batch, lane) / most
+                        : 1 - limit_value(model, solver.energy, limit, young, most, corotated_hex(batch, lane));
       }
     });
   });
