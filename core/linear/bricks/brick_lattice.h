@@ -86,14 +86,14 @@ inline std::size_t slot_offset(int slot, int components) {
 /// the tasks' order: the same for any number of threads.
 double sum_over_tasks(int num_tasks, int grain, double (*body)(const void* context, int task), const void* context);
 
-/// Calls body(first, last), which returns a double, for each column's bricks in parallel; the sum over the columns.
+/// Calls body(first, last), which returns a double, for each column's bricks in parallel, about as many at a time as are
+/// said; the sum over the columns.
 template <class Body>
-double for_each_column(const BrickLattice& lattice, const Body& body) {
+double for_each_column(const BrickLattice& lattice, const Body& body, int bricks_per_block = 8) {
   struct Context {
     const BrickLattice& lattice;
     const Body& body;
   } const context{lattice, body};
-  constexpr int bricks_per_block = 8;
   const int grain = std::max(1, lattice.num_columns() * bricks_per_block / std::max(1, int(lattice.bricks.size()) - 1));
   return sum_over_tasks(
       lattice.num_columns(), grain,

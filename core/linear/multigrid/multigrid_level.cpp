@@ -6,6 +6,8 @@
 namespace umax {
 namespace {
 
+constexpr int coarse_bricks_per_block = 1;  // each takes from eight fine ones
+
 Vector3i place_of(const Brick& brick) {
   return {brick.place[0], brick.place[1], brick.place[2]};
 }
@@ -15,8 +17,9 @@ using Restriction = void (*)(const Transfer&, const float* fine, float* coarse, 
 void restrict_by(Restriction restriction, const MultigridLevel& fine, const AlignedArray<float>& from,
                  const MultigridLevel& coarse, AlignedArray<float>& to) {
   const Transfer transfer = transfer_between(fine, coarse);
-  for_each_block(coarse.lattice(),
-                 [&](int first, int last) { restriction(transfer, from.data(), to.data(), first, last); });
+  for_each_block(
+      coarse.lattice(), [&](int first, int last) { restriction(transfer, from.data(), to.data(), first, last); },
+      coarse_bricks_per_block);
 }
 
 }  // namespace
@@ -60,7 +63,9 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
   std::vector<std::uint16_t> unresolved(coarse.lattice().bricks.size() * brick_lines, 0);
   const FrameCoarsening task{transfer_between(fine, coarse), fine.matrix.frames.data(), coarse.matrix.frames.data(),
                              unresolved.data()};
-  for_each_block(coarse.lattice(), [&](int first, int last) { kernels_of(fine).coarsen_frames(task, first, last); });
+  for_each_block(
+      coarse.lattice(), [&](int first, int last) { kernels_of(fine).coarsen_frames(task, first, last); },
+      coarse_bricks_per_block);
   resolve_frames(unresolved, coarse.matrix.frames);  // rotations that nearly cancel
 
   // masses, those of fixed nodes included; then which nodes are fixed

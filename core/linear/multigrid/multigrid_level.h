@@ -29,13 +29,16 @@ inline const MultigridKernels& kernels_of(const MultigridLevel& level) {
   return multigrid_kernels(level.op.instruction_set);
 }
 
-/// Calls call(first, last) for blocks of bricks that cover the lattice, in parallel.
+/// Calls call(first, last) for blocks of bricks that cover the lattice, in parallel. bricks_per_block: as for_each_column().
 template <class Call>
-void for_each_block(const BrickLattice& lattice, const Call& call) {
-  for_each_column(lattice, [&](int first, int last) {
-    call(first, last);
-    return 0.0;
-  });
+void for_each_block(const BrickLattice& lattice, const Call& call, int bricks_per_block = 8) {
+  for_each_column(
+      lattice,
+      [&](int first, int last) {
+        call(first, last);
+        return 0.0;
+      },
+      bricks_per_block);
 }
 
 /// Finds the parents and children between a level and the lattice of the next one.
