@@ -47,7 +47,8 @@ void set_nodes(const Matrix8x3d& x, int lane, HexBatch& batch) {
 void evaluate(const HexShape& shape, RotationEstimate estimate, int count, HexBatch& batch) {
   fill_up(count, batch.nodes);
   hex_batch_kernels(best_instruction_set())
-      .evaluate({shape.stiffness.data(), shape.rotation_gradients[int(estimate)].data(), shape.rest_nodes.data()}, batch);
+      .evaluate({shape.stiffness.data(), shape.rotation_gradients[int(estimate)].data(), shape.rest_nodes.data()},
+                batch);
   for (int lane = 0; batch.unresolved != 0 && lane < count; ++lane)
     if (batch.unresolved >> lane & 1) evaluate_alone(shape, estimate, lane, batch);
   batch.unresolved = 0;

@@ -155,8 +155,7 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
   polar(G, R, unresolved);
   D RG[9];
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c)
-      RG[3 * r + c] = R[r] * G[c] + R[3 + r] * G[3 + c] + R[6 + r] * G[6 + c];
+    for (int c = 0; c < 3; ++c) RG[3 * r + c] = R[r] * G[c] + R[3 + r] * G[3 + c] + R[6 + r] * G[6 + c];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) S[3 * r + c] = 0.5 * (RG[3 * r + c] + RG[3 * c + r]);
   to_local(R, x, y);
@@ -185,7 +184,8 @@ inline void evaluate_lanes(const HexBatchShape& shape, int first, HexBatch& batc
   store_all(S, first, batch.stretch);
   store_all(y, first, batch.local_nodes);
   store_all(u, first, batch.displacement);
-  for (int lane = 0; lane < width<double>; ++lane) batch.unresolved |= unsigned(unresolved[lane] != 0) << (first + lane);
+  for (int lane = 0; lane < width<double>; ++lane)
+    batch.unresolved |= unsigned(unresolved[lane] != 0) << (first + lane);
 }
 
 inline void evaluate_batch(const HexBatchShape& shape, HexBatch& batch) {

@@ -20,9 +20,8 @@ constexpr Eigen::Index hexes_per_block = 64;
 std::vector<Matrix3d> rotations_at(const Model& model, RotationEstimate estimate, const Points& positions) {
   std::vector<Matrix3d> rotations(std::size_t(model.num_hexes()));
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    evaluate_hexes(
-        model, estimate, positions, begin, end,
-        [&](Eigen::Index e, const HexBatch& batch, int lane) { rotations[e] = rotation_of(batch, lane); });
+    evaluate_hexes(model, estimate, positions, begin, end,
+                   [&](Eigen::Index e, const HexBatch& batch, int lane) { rotations[e] = rotation_of(batch, lane); });
   });
   return rotations;
 }

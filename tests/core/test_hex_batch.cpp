@@ -53,8 +53,7 @@ TEST_CASE("a batch of hexes has the rotations, energies and gradients of single 
         for (int lane = 0; lane < count; ++lane) {
           const CorotatedHex hex = corotate(shape, estimate, nodes[first + std::size_t(lane)]);
           INFO("estimate " << int(estimate) << ", sample " << first + std::size_t(lane));
-          require_same(hex,
-                       energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(estimate)], hex),
+          require_same(hex, energy_with_gradient(shape.stiffness, young, shape.rotation_gradients[int(estimate)], hex),
                        batch, lane, young);
         }
       }

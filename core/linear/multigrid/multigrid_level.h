@@ -11,7 +11,7 @@ namespace umax {
 struct MultigridLevel {
   HexShape shape;
   double largest_eigenvalue = 0;  // of D^-1 A: a bound, from one cell
-  HexOperator op;  // with the lattice
+  HexOperator op;                 // with the lattice
   HexMatrix<float> matrix;
   AlignedArray<float> inverse;  // D^-1
   AlignedArray<float> b;        // right-hand side; none on the first level
