@@ -30,8 +30,9 @@ double depth_behind(const ScaledSurface& surface, int triangle, const Vector3d& 
 }
 
 // How deep [m] the way from X0 to X is inside, at most, if it comes in by one triangle and leaves by another that meets it
-// in a ridge.
+// in a ridge; any, if it comes in twice.
 double ridge_depth(const ScaledSurface& surface, const HeldVertex& held, int entered, int left) {
+  if (last_entered(surface, held.X0, held.X) != entered) return anywhere;
   return std::min(depth_behind(surface, entered, held.X), depth_behind(surface, left, held.X0));
 }
 

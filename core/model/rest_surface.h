@@ -74,8 +74,9 @@ DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point
 SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
                          double reach);
 
-/// The first triangle that the segment crosses from its front to its back; -1: none.
+/// The first and the last triangle that the segment crosses from its front to its back; -1: none.
 int first_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to);
+int last_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to);
 
 /// The surface at another size: bodies that differ in their size alone share one, and its cache. What is asked of it, as
 /// of a surface, and what it answers is at that size. It must not outlive the surface.
@@ -92,5 +93,6 @@ DistanceBounds distance_bounds(const ScaledSurface& surface, const Vector3d& poi
 SurfaceHit nearest_alike(const ScaledSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,
                          double reach);
 int first_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to);
+int last_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to);
 
 }  // namespace umax

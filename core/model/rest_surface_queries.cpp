@@ -147,6 +147,23 @@ double entry(const RestSurface& surface, int t, const Vector3d& from, const Vect
   return share;
 }
 
+// of the triangles that the segment enters, the one with the least share, or with sign -1 the largest
+int entered_at_end(const RestSurface& surface, const Vector3d& from, const Vector3d& to, double sign) {
+  constexpr double nothing = 1.5;
+  double least = nothing;
+  int found = -1;
+  Eigen::AlignedBox3d path(from);
+  path.extend(to);
+  for_each_triangle(
+      surface, [&](const Eigen::AlignedBox3d& box) { return box.intersects(path); },
+      [&](int t) {
+        const double share = entry(surface, t, from, to);
+        if (share >= nothing) return;
+        if (sign * share < least || (sign * share == least && t < found)) least = sign * share, found = t;
+      });
+  return found;
+}
+
 SurfaceHit scaled(SurfaceHit hit, double scale) {
   hit.point *= scale;
   hit.distance *= scale;
@@ -190,17 +207,11 @@ SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, cons
 }
 
 int first_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to) {
-  double least = 1.5;
-  int first = -1;
-  Eigen::AlignedBox3d path(from);
-  path.extend(to);
-  for_each_triangle(
-      surface, [&](const Eigen::AlignedBox3d& box) { return box.intersects(path); },
-      [&](int t) {
-        const double share = entry(surface, t, from, to);
-        if (share < least || (share == least && t < first)) least = share, first = t;
-      });
-  return first;
+  return entered_at_end(surface, from, to, 1);
+}
+
+int last_entered(const RestSurface& surface, const Vector3d& from, const Vector3d& to) {
+  return entered_at_end(surface, from, to, -1);
 }
 
 SurfaceHit nearest_point(const ScaledSurface& surface, const Vector3d& point, double reach) {
@@ -220,6 +231,10 @@ SurfaceHit nearest_alike(const ScaledSurface& surface, const Vector3d& point, co
 
 int first_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to) {
   return first_entered(surface.of, from / surface.scale, to / surface.scale);
+}
+
+int last_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to) {
+  return last_entered(surface.of, from / surface.scale, to / surface.scale);
 }
 
 }  // namespace umax

@@ -231,6 +231,25 @@ TEST_CASE("a point that has come through a sheet is measured against the side th
   }
   CHECK(first_entered(sheet, through, Vector3d(0.1, -0.5, 0.1)) == -1);
   CHECK(first_entered(sheet, inside, above) == -1);  // it leaves
+  CHECK(last_entered(sheet, above, through) == entered);
+  CHECK(last_entered(sheet, inside, above) == -1);
+}
+
+TEST_CASE("a way through two sheets enters both") {
+  const RestSurface sheet = make_sheet(0.01);
+  const auto count = sheet.vertices.rows();
+  Points vertices(2 * count, 3);
+  vertices << sheet.vertices, sheet.vertices.rowwise() - Eigen::RowVector3d(0, 0.1, 0);
+  Triangles triangles(2 * sheet.triangles.rows(), 3);
+  triangles << sheet.triangles, sheet.triangles.array() + int(count);
+  const RestSurface both = make_rest_surface(vertices, triangles);
+  const Vector3d above(0.1, 0.05, 0.1), below(0.12, -0.2, 0.11);
+  const int first = first_entered(both, above, below), last = last_entered(both, above, below);
+  REQUIRE(first >= 0);
+  REQUIRE(last >= 0);
+  CHECK(corner_of(both, first, 0).y() == Approx(0.005));
+  CHECK(corner_of(both, last, 0).y() == Approx(-0.095));
+  CHECK(last_entered({both, 2}, 2 * above, 2 * below) == last);
 }
 
 TEST_CASE("vertices at one place are one, and triangles without area are none") {
