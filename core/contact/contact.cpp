@@ -23,14 +23,14 @@ constexpr double kept_share = 0.5;   // of it, that a start's depth may keep: wh
 constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
 constexpr Eigen::Index hexes_per_block = 64;
 
-Vector3d surface_position(const Model& model, const Matrix8x3d& nodes, int point) {
-  return nodes.transpose() * model.surface.weights.row(point).transpose();
+const Model::BodyRange& body_of_hex(const Model& model, int hex) {
+  return model.bodies[std::size_t(model.hex_body[hex])];
 }
 
 // Vertices of a cluster are far from each other in memory: the processor may fetch them all while it waits for the first.
-void fetch_weights(const Model& model, const VertexClusters& clusters, const VertexCluster& cluster) {
+void fetch_weights(const Model::BodyRange& body, const VertexClusters& clusters, const VertexCluster& cluster) {
   for (int k = cluster.first; k < cluster.first + cluster.count; ++k)
-    __builtin_prefetch(model.surface.weights.data() + 8 * Eigen::Index(clusters.points[k]));
+    __builtin_prefetch(surface_weights(body, clusters.points[k]).data());
 }
 
 AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& support) {
@@ -122,6 +122,7 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
                     int obstacle, double threshold, ContactCandidate& deepest) {
   const Model& model = *step.model;
   const ContactGeometry& geometry = *step.geometry;
+  const Model::BodyRange& body = body_of_hex(model, hex);
   const ObstacleAt& end = step.obstacles_t1[obstacle];
   const double centre_distance = signed_distance(*end.shape, end.pose.local(sphere.centre)).distance;
   if (centre_distance > sphere.radius && centre_distance > sphere.radius + way_against(step, obstacle, hex, sphere))
@@ -136,11 +137,11 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
     const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
     const double cluster_distance = signed_distance(*end.shape, end.pose.local(around.centre)).distance;
     if (cluster_distance > around.radius + way) continue;
-    fetch_weights(model, geometry.clusters, cluster);
+    fetch_weights(body, geometry.clusters, cluster);
     for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
       const int point = geometry.clusters.points[k];
-      const Support vertex{hex, model.surface.weights.row(point).transpose()};
-      const Vector3d position = surface_position(model, nodes, point);
+      const Support vertex{hex, surface_weights(body, point)};
+      const Vector3d position = nodes.transpose() * vertex.weights;
       if (is_triangles &&
           cluster_distance - (position - around.centre).norm() > longest_way(step, obstacle, vertex, position))
         continue;
@@ -204,7 +205,7 @@ Contact make_contact(const Model& model, const ContactPoint& point, int obstacle
   contact.support.hex = hex;
   contact.support.weights = point.kind == ContactKind::obstacle_edge
                                 ? Vector8d::Constant(0.125)
-                                : Vector8d(model.surface.weights.row(point.index).transpose());
+                                : Vector8d(surface_weights(body_of_hex(model, hex), point.index));
   if (obstacle >= 0)
     contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
   return contact;
@@ -321,6 +322,7 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
     for (int hex = int(begin); hex < int(end); ++hex) {
       if (geometry.hex_starts[hex] == geometry.hex_starts[hex + 1]) continue;
       if (!touches_obstacles(model, model.hex_body[hex])) continue;
+      const Model::BodyRange& body = body_of_hex(model, hex);
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
       const BoundingSphere sphere = bounding_sphere(nodes);
       for (const auto& [pose, shape] : obstacles) {
@@ -330,9 +332,9 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
           const VertexCluster& cluster = geometry.clusters.all[c];
           const ClusterSphere around = sphere_around(cluster, nodes, half_edges);
           if (signed_distance(*shape, pose.local(around.centre)).distance > around.radius - block_deepest) continue;
-          fetch_weights(model, geometry.clusters, cluster);
+          fetch_weights(body, geometry.clusters, cluster);
           for (int k = cluster.first; k < cluster.first + cluster.count; ++k) {
-            const Vector3d p = surface_position(model, nodes, geometry.clusters.points[k]);
+            const Vector3d p = nodes.transpose() * surface_weights(body, geometry.clusters.points[k]);
             block_deepest = std::max(block_deepest, -signed_distance(*shape, pose.local(p)).distance);
           }
         }

@@ -54,11 +54,14 @@ std::vector<int> among(const std::vector<int>& surfaces, const std::vector<int>&
 ContactGeometry make_contact_geometry(const Model& model) {
   ContactGeometry geometry;
   geometry.hex_starts.assign(model.num_hexes() + 1, 0);
-  for (Eigen::Index p = 0; p < model.surface.size(); ++p) ++geometry.hex_starts[model.surface.hex[p] + 1];
+  for (const Model::BodyRange& body : model.bodies)
+    for (const int hex : body.surface->hex) ++geometry.hex_starts[body.first_hex + hex + 1];
   for (Eigen::Index e = 0; e < model.num_hexes(); ++e) geometry.hex_starts[e + 1] += geometry.hex_starts[e];
-  geometry.hex_points.resize(model.surface.size());
+  geometry.hex_points.resize(std::size_t(model.num_points()));
   std::vector<int> next(geometry.hex_starts.begin(), geometry.hex_starts.end() - 1);
-  for (Eigen::Index p = 0; p < model.surface.size(); ++p) geometry.hex_points[next[model.surface.hex[p]]++] = int(p);
+  for (const Model::BodyRange& body : model.bodies)
+    for (int p = 0; p < body.num_points; ++p)
+      geometry.hex_points[next[body.first_hex + body.surface->hex[p]]++] = body.first_point + p;
 
   double cell_size = std::numeric_limits<double>::infinity();
   for (const Model::BodyRange& body : model.bodies) cell_size = std::min(cell_size, body.cell_size);

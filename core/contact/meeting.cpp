@@ -45,7 +45,8 @@ std::size_t num_vertices(const VertexClusters& clusters, int hex) {
 }
 
 Support vertex_support(const Meeting& meeting, int k) {
-  return {meeting.hex, meeting.model.surface.weights.row(meeting.vertices[k]).transpose()};
+  const Model::BodyRange& body = meeting.model.bodies[std::size_t(meeting.model.hex_body[meeting.hex])];
+  return {meeting.hex, surface_weights(body, meeting.vertices[k])};
 }
 
 // of the point from the box, squared [m^2]

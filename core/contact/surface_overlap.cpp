@@ -60,12 +60,13 @@ void add_vertex(const Model& model, const Points& positions, int vertex, const H
 
 PartPlace place_of(const ContactStep& step, int hex) {
   const VertexClusters& clusters = step.geometry->clusters;
+  const Model::BodyRange& body = step.model->bodies[std::size_t(step.model->hex_body[hex])];
   const Matrix8x3d nodes = hex_nodes(*step.model, step.positions_t0, hex);
   PartPlace place;
   for (int c = clusters.hex_starts[hex]; c < clusters.hex_starts[hex + 1]; ++c)
     for (int k = 0; k < clusters.all[std::size_t(c)].count; ++k) {
       const int vertex = clusters.points[std::size_t(clusters.all[std::size_t(c)].first + k)];
-      place.sum += nodes.transpose() * step.model->surface.weights.row(vertex).transpose();
+      place.sum += nodes.transpose() * surface_weights(body, vertex);
       ++place.vertices;
     }
   return place;
@@ -117,7 +118,7 @@ std::vector<Overlap> find_overlaps(const Model& model, const ContactGeometry& ge
 }
 
 VectorXd overlap_depths(const Model& model, const ContactGeometry& geometry, const Points& positions) {
-  VectorXd depths = VectorXd::Zero(model.surface.size());
+  VectorXd depths = VectorXd::Zero(model.num_points());
   if (!geometry.touchable.any()) return depths;
   const ContactStep step = at_rest(model, geometry, positions);
   const Search search = search_at(step, positions);

@@ -18,18 +18,19 @@ double sign_of(int corner, int axis) {
 }
 
 // trilinear weights reproduce what is linear, so they tell where the point is
-Vector3d local_place(const Model& model, int point) {
+Vector3d local_place(const Model::BodyRange& body, int point) {
+  const auto weights = surface_weights(body, point);
   Vector3d s = Vector3d::Zero();
   for (int n = 0; n < 8; ++n)
-    for (int axis = 0; axis < 3; ++axis) s[axis] += model.surface.weights(point, n) * sign_of(n, axis);
+    for (int axis = 0; axis < 3; ++axis) s[axis] += weights[n] * sign_of(n, axis);
   return s;
 }
 
 // Cuts the vertices in halves along the longest side of their box until they are few.
-void split(const Model& model, std::vector<int>::iterator begin, std::vector<int>::iterator end, int first,
+void split(const Model::BodyRange& body, std::vector<int>::iterator begin, std::vector<int>::iterator end, int first,
            std::vector<VertexCluster>& clusters) {
   Eigen::AlignedBox3d box;
-  for (auto point = begin; point != end; ++point) box.extend(local_place(model, *point));
+  for (auto point = begin; point != end; ++point) box.extend(local_place(body, *point));
   if (end - begin <= most_vertices) {
     clusters.push_back({first, int(end - begin), box.center(), 0.5 * box.sizes()});
     return;
@@ -38,10 +39,10 @@ void split(const Model& model, std::vector<int>::iterator begin, std::vector<int
   box.sizes().maxCoeff(&axis);
   const auto middle = begin + (end - begin) / 2;
   std::nth_element(begin, middle, end, [&](int a, int b) {
-    return std::pair(local_place(model, a)[axis], a) < std::pair(local_place(model, b)[axis], b);
+    return std::pair(local_place(body, a)[axis], a) < std::pair(local_place(body, b)[axis], b);
   });
-  split(model, begin, middle, first, clusters);
-  split(model, middle, end, first + int(middle - begin), clusters);
+  split(body, begin, middle, first, clusters);
+  split(body, middle, end, first + int(middle - begin), clusters);
 }
 
 }  // namespace
@@ -53,8 +54,8 @@ VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index hex = begin; hex < end; ++hex)
       if (hex_starts[hex] < hex_starts[hex + 1])
-        split(model, clusters.points.begin() + hex_starts[hex], clusters.points.begin() + hex_starts[hex + 1],
-              hex_starts[hex], of_hexes[std::size_t(hex)]);
+        split(model.bodies[std::size_t(model.hex_body[hex])], clusters.points.begin() + hex_starts[hex],
+              clusters.points.begin() + hex_starts[hex + 1], hex_starts[hex], of_hexes[std::size_t(hex)]);
   });
   for (std::size_t hex = 0; hex < of_hexes.size(); ++hex) {
     std::move(of_hexes[hex].begin(), of_hexes[hex].end(), std::back_inserter(clusters.all));

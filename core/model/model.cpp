@@ -78,9 +78,26 @@ double smallest_edge(const Lattice& lattice) {
   return smallest;
 }
 
-void append(const Body& body, Model& model) {
+// Points that an earlier body has in the same places of the same hexes are that body's: of a crowd's vertices the weights alone
+// would fill a gigabyte.
+std::shared_ptr<const EmbeddedPoints> shared_points(EmbeddedPoints points, const Model& model) {
+  for (const Model::BodyRange& body : model.bodies)
+    if (body.surface->size() == points.size() && body.surface->hex == points.hex &&
+        body.surface->weights == points.weights)
+      return body.surface;
+  return std::make_shared<const EmbeddedPoints>(std::move(points));
+}
+
+const Model::BodyRange& body_of_point(const Model& model, Eigen::Index point) {
+  const auto next =
+      std::upper_bound(model.bodies.begin(), model.bodies.end(), point,
+                       [](Eigen::Index of, const Model::BodyRange& body) { return of < body.first_point; });
+  return *std::prev(next);
+}
+
+void append(Body body, Model& model) {
   validate(body);
-  const Eigen::Index node = model.num_nodes(), hex = model.num_hexes(), point = model.surface.size();
+  const Eigen::Index node = model.num_nodes(), hex = model.num_hexes(), point = model.num_points();
   const Eigen::Index num_nodes = body.lattice.num_nodes(), num_hexes = body.lattice.num_hexes();
 
   Model::BodyRange range;
@@ -102,6 +119,7 @@ void append(const Body& body, Model& model) {
   range.rest_scale = body.rest_scale;
   range.rest_pose = body.rest_pose;
   range.pins = body.pins;
+  range.surface = shared_points(std::move(body.surface), model);
   model.bodies.push_back(range);
 
   model.rest_positions.conservativeResize(node + num_nodes, 3);
@@ -120,11 +138,6 @@ void append(const Body& body, Model& model) {
   model.limit_factor.conservativeResizeLike(VectorXd::Ones(hex + num_hexes));
   if (body.young_factor.size() > 0) model.young_factor.tail(num_hexes) = body.young_factor;
   if (body.limit_factor.size() > 0) model.limit_factor.tail(num_hexes) = body.limit_factor;
-
-  model.surface.hex.conservativeResize(point + body.surface.size());
-  model.surface.hex.tail(body.surface.size()) = body.surface.hex.array() + int(hex);
-  model.surface.weights.conservativeResize(point + body.surface.size(), 8);
-  model.surface.weights.bottomRows(body.surface.size()) = body.surface.weights;
 
   append_shapes(body, hex, model);
   append_limits(body, hex, model);
@@ -151,12 +164,20 @@ const BodyPair* pair_of(const Model& model, int a, int b) {
 
 }  // namespace
 
+Eigen::Map<const Vector8d> surface_weights(const Model& model, Eigen::Index point) {
+  return surface_weights(body_of_point(model, point), point);
+}
+
+int surface_hex(const Model& model, Eigen::Index point) {
+  const Model::BodyRange& body = body_of_point(model, point);
+  return body.first_hex + body.surface->hex[point - body.first_point];
+}
+
 Model make_model(std::vector<Body> bodies, const std::vector<Obstacle>& obstacles, const std::vector<BodyPair>& pairs) {
   Model model;
   model.rest_positions.resize(0, 3);
   model.initial_velocities.resize(0, 3);
   model.hexes.resize(0, 8);
-  model.surface.weights.resize(0, 8);
   model.fibre_directions.resize(0, 3);
   model.limit_starts.setZero(1);
   for (Body& body : bodies) append(std::exchange(body, {}), model);
@@ -218,8 +239,6 @@ Model part_of(const Model& model, const std::vector<int>& bodies) {
   part.limit_factor.resize(num_hexes);
   part.fibre_directions.resize(num_hexes, 3);
   part.limit_starts.setZero(1);
-  part.surface.hex.resize(num_points);
-  part.surface.weights.resize(num_points, 8);
   std::vector<int> shapes(model.shapes.size(), -1);  // there to here
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Model::BodyRange &from = model.bodies[bodies[i]], &to = part.bodies[i];
@@ -240,10 +259,6 @@ Model part_of(const Model& model, const std::vector<int>& bodies) {
     hexes(part.hexes, model.hexes);
     part.hexes.middleRows(to.first_hex, to.num_hexes).array() += to.first_node - from.first_node;
     part.hex_body.segment(to.first_hex, to.num_hexes).setConstant(int(i));
-    part.surface.weights.middleRows(to.first_point, to.num_points) =
-        model.surface.weights.middleRows(from.first_point, from.num_points);
-    part.surface.hex.segment(to.first_point, to.num_points) =
-        model.surface.hex.segment(from.first_point, from.num_points).array() + (to.first_hex - from.first_hex);
     part.limit_starts.conservativeResize(to.first_hex + to.num_hexes + 1);
     for (int e = 0; e < to.num_hexes; ++e) {
       int& shape = shapes[model.hex_shape[from.first_hex + e]];

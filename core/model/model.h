@@ -115,7 +115,7 @@ struct Model {
     std::string name;
     int first_node = 0, num_nodes = 0;
     int first_hex = 0, num_hexes = 0;
-    int first_point = 0, num_points = 0;  // in `surface`
+    int first_point = 0, num_points = 0;  // of its surface
     MaterialOptions material;
     EnergyLimitOptions limit;
     PartLimitOptions part_limits;
@@ -130,6 +130,7 @@ struct Model {
     double rest_scale = 1;
     Pose rest_pose;
     std::shared_ptr<const BodyPins> pins;
+    std::shared_ptr<const EmbeddedPoints> surface;  // its points in its own hexes; bodies with equal ones share them
   };
   std::vector<BodyRange> bodies;
   std::vector<BodyPair> pairs;  // exceptions
@@ -152,11 +153,20 @@ struct Model {
   std::vector<HexLimit> limits;  // #L grouped by hex; of a hex whole, volumetric, deviatoric, fibre, points ascending
   VectorXi limit_starts;         // #E + 1 the limits of hex e: limit_starts[e] ... limit_starts[e + 1] - 1
   std::vector<Matrix24d> limit_forms;  // K' of limited parts and points for unit Young's modulus, shared
-  EmbeddedPoints surface;              // all bodies' surface points; hex indices are global
 
   Eigen::Index num_nodes() const { return rest_positions.rows(); }
   Eigen::Index num_hexes() const { return hexes.rows(); }
+  Eigen::Index num_points() const { return bodies.empty() ? 0 : bodies.back().first_point + bodies.back().num_points; }
 };
+
+/// Weights of a surface point of the body (a number of the model) on the nodes of its hex.
+inline Eigen::Map<const Vector8d> surface_weights(const Model::BodyRange& body, Eigen::Index point) {
+  return Eigen::Map<const Vector8d>(body.surface->weights.data() + 8 * (point - body.first_point));
+}
+
+/// The same of a point of any body, and the hex that it is in.
+Eigen::Map<const Vector8d> surface_weights(const Model& model, Eigen::Index point);
+int surface_hex(const Model& model, Eigen::Index point);
 
 /// Throw Error (bad_data) that names the body or obstacle, the key and the value, unless all can be simulated.
 void validate(const Body& body);
@@ -200,7 +210,7 @@ enum class ContactKind {
 /// Which point it is that touches.
 struct ContactPoint {
   ContactKind kind = ContactKind::vertex;
-  int index = -1;  // in Model::surface, or among the obstacle's edge points
+  int index = -1;  // of the bodies' surfaces, or among the obstacle's edge points
   bool operator==(const ContactPoint&) const = default;
 };
 

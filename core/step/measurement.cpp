@@ -85,7 +85,7 @@ std::vector<Overlap> find_overlaps(const Model& model, const State& state) {
 VectorXd overlap_depths(const Model& model, const State& state) {
   VectorXd depths = overlap_depths(model, make_contact_geometry(model), state.positions);
   for (Eigen::Index p = 0; p < depths.size(); ++p)
-    if (depths[p] <= tolerance_depth(model, model.surface.hex[p])) depths[p] = 0;
+    if (depths[p] <= tolerance_depth(model, surface_hex(model, p))) depths[p] = 0;
   return depths;
 }
 

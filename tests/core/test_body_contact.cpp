@@ -320,7 +320,7 @@ TEST_CASE("a body's factor is kept while it hardly moves, and not once contacts 
   iterate.positions.row(0).array() += 1e-3;
   CHECK(factor() == 1);
   CHECK(factor() == 0);
-  iterate.contacts = {make_contact(model, {ContactKind::vertex, 0}, 0, model.surface.hex[0])};
+  iterate.contacts = {make_contact(model, {ContactKind::vertex, 0}, 0, surface_hex(model, 0))};
   at.contacts = {ContactTerms{.energy = 0, .force = Vector3d::Zero(), .stiffness = 1e4 * Matrix3d::Identity()}};
   CHECK(factor() == 1);
   at.contacts.clear();

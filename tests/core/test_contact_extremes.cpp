@@ -42,9 +42,9 @@ Collision collide(const Body& low, const Body& high, LinearSolver linear, int st
 std::optional<double> deepest_by_hand(const Model& model, const Points& positions, int hex, int body) {
   const Model::BodyRange& range = model.bodies[body];
   std::optional<double> deepest;
-  for (Eigen::Index point = 0; point < model.surface.size(); ++point) {
-    if (model.surface.hex[point] != hex) continue;
-    const Vector3d position = embedded_position(model, positions, {hex, model.surface.weights.row(point).transpose()});
+  for (Eigen::Index point = 0; point < model.num_points(); ++point) {
+    if (surface_hex(model, point) != hex) continue;
+    const Vector3d position = embedded_position(model, positions, {hex, surface_weights(model, point)});
     for (int other = range.first_hex; other < range.first_hex + range.num_hexes; ++other) {
       MaterialPoint material;
       if (!find_material(hex_maps(model, positions, other), position, within_hex, material)) continue;
@@ -122,7 +122,7 @@ TEST_CASE("clusters hold each vertex once, and their spheres where it is") {
   Random random(3);
   Points positions = model.rest_positions;
   for (double& value : positions.reshaped()) value += random.uniform(-0.05, 0.05);
-  std::vector<int> times(std::size_t(model.surface.size()), 0);
+  std::vector<int> times(std::size_t(model.num_points()), 0);
   for (int hex = 0; hex < model.num_hexes(); ++hex)
     for (int c = clusters.hex_starts[hex]; c < clusters.hex_starts[hex + 1]; ++c) {
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
@@ -131,8 +131,8 @@ TEST_CASE("clusters hold each vertex once, and their spheres where it is") {
       for (int k = clusters.all[c].first; k < clusters.all[c].first + clusters.all[c].count; ++k) {
         const int point = clusters.points[k];
         ++times[std::size_t(point)];
-        CHECK(model.surface.hex[point] == hex);
-        const Vector3d place = embedded_position(model, positions, {hex, model.surface.weights.row(point).transpose()});
+        CHECK(surface_hex(model, point) == hex);
+        const Vector3d place = embedded_position(model, positions, {hex, surface_weights(model, point)});
         CHECK((place - sphere.centre).norm() <= sphere.radius * (1 + 1e-9));
       }
     }

@@ -130,7 +130,7 @@ PotentialCheck potentials(const Body& body, const std::vector<Obstacle>& obstacl
     for (Eigen::Index l = 0; l < step.limits.size(); ++l)
       feasible = feasible && test::reference_energy(step.limited[l], test::nodes_at(step, x, model.limits[l].hex)) <=
                                  step.limits[l];
-    for (Eigen::Index p = 0; p < (obstacles.empty() ? 0 : model.surface.size()); ++p)
+    for (Eigen::Index p = 0; p < (obstacles.empty() ? 0 : model.num_points()); ++p)
       feasible = feasible && test::ground_gap(step, x, p) >= 0;
     before = after;
     if (!feasible) return;

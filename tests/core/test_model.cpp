@@ -232,14 +232,29 @@ TEST_CASE("bodies keep their own nodes, hexes and surface in the common model") 
     CHECK(model.hexes.row(e).maxCoeff() < body.first_node + body.num_nodes);
     CHECK(model.shapes[model.hex_shape[e]].poisson == body.material.poisson);
   }
-  for (Eigen::Index p = 0; p < model.surface.size(); ++p) {
-    const Model::BodyRange& body = model.bodies[model.hex_body[model.surface.hex[p]]];
+  for (Eigen::Index p = 0; p < model.num_points(); ++p) {
+    const Model::BodyRange& body = model.bodies[model.hex_body[surface_hex(model, p)]];
     CHECK((p >= body.first_point && p < body.first_point + body.num_points));
     const Points& rest = &body == &model.bodies[0] ? a.surface_rest : b.surface_rest;
     Vector3d position = Vector3d::Zero();
     for (int n = 0; n < 8; ++n)
       position +=
-          model.surface.weights(p, n) * model.rest_positions.row(model.hexes(model.surface.hex[p], n)).transpose();
+          surface_weights(model, p)[n] * model.rest_positions.row(model.hexes(surface_hex(model, p), n)).transpose();
     CHECK((position - rest.row(p - body.first_point).transpose()).norm() < 1e-14);
   }
+}
+
+TEST_CASE("bodies with the same points in the same hexes have one copy of them, in parts of the model too") {
+  const Body a = two_cells(), b = test::make_block({1, 2, 1}, {5, 0, 0}, 0.25);
+  Body moved = a, loose = a;
+  moved.lattice.rest_positions.col(0).array() += 7;
+  loose.surface.weights.row(0).reverseInPlace();
+  const Model model = make_model({a, b, moved, loose}, {});
+  CHECK(model.bodies[2].surface == model.bodies[0].surface);
+  CHECK(model.bodies[1].surface != model.bodies[0].surface);
+  CHECK(model.bodies[3].surface != model.bodies[0].surface);
+  CHECK(part_of(model, {2}).bodies[0].surface == model.bodies[0].surface);
+  const int point = model.bodies[2].first_point + 3;
+  CHECK(surface_hex(model, point) == model.bodies[2].first_hex + a.surface.hex[3]);
+  CHECK(surface_weights(model, point) == a.surface.weights.row(3).transpose());
 }

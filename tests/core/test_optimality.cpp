@@ -49,8 +49,8 @@ double contact_residual(const ReferenceStep& step, const State& after, const Sta
   Vector3d moved = Vector3d::Zero();
   for (int n = 0; n < 8; ++n) {
     const int node = model.hexes(contact.hex, n);
-    mass += model.surface.weights(contact.point.index, n) * model.node_mass[node];
-    moved += model.surface.weights(contact.point.index, n) *
+    mass += surface_weights(model, contact.point.index)[n] * model.node_mass[node];
+    moved += surface_weights(model, contact.point.index)[n] *
              (after.positions.row(node) - step.before.positions.row(node)).transpose();
   }
   const double stiffness = mass / (step.h * step.h);
@@ -92,7 +92,7 @@ Residuals residuals(const Model& model, const StepOptions& options, const State&
     result.contact = std::max(result.contact, contact_residual(step, after, contact, result) / scale);
   result.contacts = int(after.contacts.size());
   if (!model.obstacles.empty())
-    for (Eigen::Index p = 0; p < model.surface.size(); ++p)
+    for (Eigen::Index p = 0; p < model.num_points(); ++p)
       result.penetration =
           std::max(result.penetration, -test::ground_gap(step, after.positions, p) / model.bodies[0].cell_size);
   return result;

@@ -27,7 +27,7 @@ OracleProblem make_problem(const Model& model, const StepOptions& options, const
   OracleProblem problem{test::make_reference_step(model, options, before),
                         {},
                         0,
-                        model.obstacles.empty() ? 0 : model.surface.size(),
+                        model.obstacles.empty() ? 0 : model.num_points(),
                         model.bodies[0].cell_size};
   for (Eigen::Index i = 0; i < 3 * model.num_nodes(); ++i)
     problem.dofs.push_back(model.node_fixed[i / 3] ? -1 : problem.num_free++);
@@ -93,8 +93,8 @@ Derivatives differentiate(const OracleProblem& problem, const Points& x, const V
   }
   for (Eigen::Index p = 0; p < problem.num_gaps; ++p)
     for (int n = 0; n < 8; ++n) {
-      const int dof = problem.dofs[3 * model.hexes(model.surface.hex[p], n) + 1];
-      if (dof >= 0) d.jacobian(num_limits + p, dof) += model.surface.weights(p, n) / problem.cell_size;
+      const int dof = problem.dofs[3 * model.hexes(surface_hex(model, p), n) + 1];
+      if (dof >= 0) d.jacobian(num_limits + p, dof) += surface_weights(model, p)[n] / problem.cell_size;
     }
   return d;
 }

@@ -12,8 +12,9 @@ namespace {
 using Hexes3 = std::array<int, 3>;
 
 EmbeddedPoints vertices_of(const Model& model, int body) {
-  const auto& [first, count] = std::pair(model.bodies[body].first_point, model.bodies[body].num_points);
-  return {model.surface.hex.segment(first, count), model.surface.weights.middleRows(first, count)};
+  EmbeddedPoints points = *model.bodies[std::size_t(body)].surface;
+  points.hex.array() += model.bodies[std::size_t(body)].first_hex;
+  return points;
 }
 
 Triangles outward(Triangles triangles, const Points& positions) {

@@ -255,15 +255,15 @@ double incremental_potential(const ReferenceStep& step, const Points& x) {
 double kept_depth(const ReferenceStep& step, Eigen::Index point) {
   double y = 0;
   for (int n = 0; n < 8; ++n)
-    y += step.model->surface.weights(point, n) *
-         step.before.positions(step.model->hexes(step.model->surface.hex[point], n), 1);
+    y += surface_weights(*step.model, point)[n] *
+         step.before.positions(step.model->hexes(surface_hex(*step.model, point), n), 1);
   return std::max(0.0, -y);
 }
 
 double ground_gap(const ReferenceStep& step, const Points& x, Eigen::Index point) {
   double y = 0;
   for (int n = 0; n < 8; ++n)
-    y += step.model->surface.weights(point, n) * x(step.model->hexes(step.model->surface.hex[point], n), 1);
+    y += surface_weights(*step.model, point)[n] * x(step.model->hexes(surface_hex(*step.model, point), n), 1);
   return y + kept_depth(step, point);
 }
 
@@ -295,7 +295,7 @@ ReferenceForces reference_forces(const ReferenceStep& step, const State& after) 
   for (const State::ContactImpulse& contact : after.contacts)
     for (int n = 0; n < 8; ++n)
       forces.contact.row(model.hexes(contact.hex, n)) -=
-          model.surface.weights(contact.point.index, n) * contact.impulse.transpose() / step.h;
+          surface_weights(model, contact.point.index)[n] * contact.impulse.transpose() / step.h;
   return forces;
 }
 

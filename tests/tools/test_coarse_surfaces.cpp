@@ -83,17 +83,15 @@ struct Measured {
 Measured measured(const Simulation& simulation) {
   Measured measured{simulation.model, {}};
   std::vector<TriangleMesh> meshes;
-  measured.model.surface = {};
-  measured.model.surface.weights.resize(0, 8);
+  int num_points = 0;
   for (std::size_t i = 0; i < simulation.bodies.size(); ++i) {
     const BodySetup& body = simulation.bodies[i];
     Model::BodyRange& range = measured.model.bodies[i];
     meshes.push_back(divided(body.shape.mesh, 0.25 * range.cell_size));
-    EmbeddedPoints points = embed_points(meshes.back().positions, body.lattice);
-    points.hex.array() += range.first_hex;
-    range.first_point = int(measured.model.surface.size());
-    range.num_points = int(points.size());
-    append(points, measured.model.surface);
+    range.surface = std::make_shared<const EmbeddedPoints>(embed_points(meshes.back().positions, body.lattice));
+    range.first_point = num_points;
+    range.num_points = int(range.surface->size());
+    num_points += range.num_points;
   }
   for (std::size_t i = 0; i < meshes.size(); ++i)
     measured.bodies.push_back(test::measured_body(measured.model, int(i), meshes[i].triangles));
@@ -212,7 +210,7 @@ TEST_CASE("points between vertices are contact's alone, and none where a body to
   CHECK(simulation.model.bodies[0].num_points > 1000);
   CHECK(simulation.bodies[0].embedding->hex.size() == 8);
   // where they are at rest: on the bar, the vertices first
-  const EmbeddedPoints& points = simulation.model.surface;
+  const EmbeddedPoints& points = *simulation.model.bodies[0].surface;
   double farthest = 0;
   for (Eigen::Index p = 0; p < points.size(); ++p) {
     const Vector3d place =

@@ -68,12 +68,11 @@ BenchRows armadillo_self_contact() {
 // [-] of all surface points, those in a hex that another body, or a far part of the same, fills too
 double share_near(const ContactStep& step, const Points& positions) {
   const Model& model = *step.model;
-  std::vector<char> near(std::size_t(model.surface.size()), 0);
+  std::vector<char> near(std::size_t(model.num_points()), 0);
   for (const Encounter& encounter : step.clearances->encounters.all)
     for (int k = step.geometry->hex_starts[encounter.hex]; k < step.geometry->hex_starts[encounter.hex + 1]; ++k) {
       const int point = step.geometry->hex_points[k];
-      const Vector3d position =
-          embedded_position(model, positions, {encounter.hex, model.surface.weights.row(point).transpose()});
+      const Vector3d position = embedded_position(model, positions, {encounter.hex, surface_weights(model, point)});
       MaterialPoint material;
       near[std::size_t(point)] |= std::any_of(encounter.others.begin(), encounter.others.end(), [&](int other) {
         return find_material(hex_maps(model, positions, other), position, within_hex, material);
@@ -112,7 +111,7 @@ BenchRows detection() {
   }
   std::nth_element(searches.begin(), searches.begin() + repetitions / 2, searches.end());
   return {at_most(fmt::format("detection alone, {} bodies, {:.2g} M points, {:.1f} % near: median", model.bodies.size(),
-                              1e-6 * double(model.surface.size()), 100 * share),
+                              1e-6 * double(model.num_points()), 100 * share),
                   searches[repetitions / 2], 20, "ms",
                   fmt::format("{} contacts; beginning the step {:.2g} ms", found, mean(steps)))};
 }

@@ -96,8 +96,8 @@ std::vector<Vector3d> contact_places(const Model& model, const State& state) {
     const State::ContactImpulse& contact = state.contacts[i];
     if (contact.point.kind == ContactKind::obstacle_edge || contact.impulse.isZero()) continue;
     const Eigen::Index point = contact.point.index;
-    places.emplace_back(hex_nodes(model, state.positions, model.surface.hex[point]).transpose() *
-                        model.surface.weights.row(point).transpose());
+    places.emplace_back(hex_nodes(model, state.positions, surface_hex(model, point)).transpose() *
+                        surface_weights(model, point));
   }
   return places;
 }

@@ -34,7 +34,8 @@ Marks find_marks(const Simulation& simulation, const State& state) {
   Marks marks;
   for (Eigen::Index p = 0; p < depths.size(); ++p) {
     if (depths[p] <= 0) continue;
-    marks.places.emplace_back(model.surface.weights.row(p) * hex_nodes(model, state.positions, model.surface.hex[p]));
+    marks.places.emplace_back(hex_nodes(model, state.positions, surface_hex(model, p)).transpose() *
+                              surface_weights(model, p));
     marks.depths.push_back(depths[p]);
   }
   return marks;

@@ -119,7 +119,8 @@ void add_pin(ByteWriter& out, const Pin& pin) {
 void add_body(ByteWriter& out, const Model::BodyRange& body) {
   const auto& [name, first_node, num_nodes, first_hex, num_hexes, first_point, num_points, material, limit, part_limits,
                friction, friction_keys, contact, cell_size, cells, cell_edges, rest_distance, rest_surface, rest_scale,
-               rest_pose, pins] = body;
+               rest_pose, pins, surface] = body;
+  static_cast<void>(surface);   // of all bodies: add_surfaces()
   static_cast<void>(friction);  // of friction_keys
   static_cast<void>(cells);     // they and cell_edges follow from the nodes and hexes
   static_cast<void>(cell_edges);
@@ -140,6 +141,18 @@ void add_body(ByteWriter& out, const Model::BodyRange& body) {
   if (rest_scale != 1) out.put_all(rest_scale);
   out.put_matrix(rest_pose.rotation);
   out.put_matrix(rest_pose.translation);
+}
+
+// The points of all bodies as one list, with the model's hexes.
+void add_surfaces(ByteWriter& out, const Model& model) {
+  out.put(std::uint64_t(model.num_points()));
+  for (const auto& body : model.bodies) {
+    const VectorXi hex = body.surface->hex.array() + body.first_hex;
+    out.put_bytes(hex.data(), std::size_t(hex.size()) * sizeof(int));
+  }
+  out.put(std::uint64_t(model.num_points()));
+  for (const auto& body : model.bodies)
+    out.put_bytes(body.surface->weights.data(), std::size_t(body.surface->weights.size()) * sizeof(double));
 }
 
 void add_pair(ByteWriter& out, const BodyPair& pair) {
@@ -185,7 +198,7 @@ Digest with_gravity_keys(const Digest& digest, const Track<Vector3d>& gravity) {
 Digest model_digest(const Model& model, const StepOptions& options) {
   const auto& [bodies, pairs, obstacles, rest_positions, initial_velocities, node_mass, node_mass_t0, node_fixed, hexes,
                corners, corner_starts, shapes, hex_shape, hex_body, young_factor, limit_factor, fibre_directions,
-               limits, limit_starts, limit_forms, surface] = model;
+               limits, limit_starts, limit_forms] = model;
   static_cast<void>(corners);  // these two from the hexes
   static_cast<void>(corner_starts);
   static_cast<void>(shapes);  // follow from the rest positions and the materials
@@ -209,8 +222,7 @@ Digest model_digest(const Model& model, const StepOptions& options) {
   out.put_matrix(young_factor);
   out.put_matrix(limit_factor);
   out.put_matrix(fibre_directions);
-  out.put_matrix(surface.hex);
-  out.put_matrix(surface.weights);
+  add_surfaces(out, model);
   add_options(out, options);
   return digest.hex();
 }
