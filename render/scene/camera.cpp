@@ -58,11 +58,15 @@ CameraView camera_at(const std::vector<CameraView>& views, float time) {
   return view;
 }
 
-CameraView view_at_moment(const RenderScene& scene, int width, int height) {
+CameraView view_at(const RenderScene& scene, float time, int width, int height) {
   if (scene.camera_path.size() < 2) return make_camera_view(scene.camera, width, height);
   std::vector<CameraView> views;
   for (const Camera& camera : scene.camera_path) views.push_back(make_camera_view(camera, width, height));
-  return camera_at(views, scene.moment);
+  return camera_at(views, time);
+}
+
+CameraView view_at_moment(const RenderScene& scene, int width, int height) {
+  return view_at(scene, scene.moment, width, height);
 }
 
 Ray camera_ray(const CameraView& view, float x, float y, const Vector2f& lens) {

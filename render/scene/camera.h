@@ -22,7 +22,10 @@ CameraView make_camera_view(const Camera& camera, int width, int height);
 /// The view at a time in [0, 1], between the two of the views that stand around it at even times.
 CameraView camera_at(const std::vector<CameraView>& views, float time);
 
-/// The scene's view at its own moment.
+/// The scene's view at a time while the shutter is open: 0 as it opens, 1 as it closes.
+CameraView view_at(const RenderScene& scene, float time, int width, int height);
+
+/// The same at the scene's own moment.
 CameraView view_at_moment(const RenderScene& scene, int width, int height);
 
 /// Where in the picture a point is.

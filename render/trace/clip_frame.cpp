@@ -57,6 +57,17 @@ void set_clear_apart(const std::vector<Hit>& hits, const RenderScene& scene, Cli
     }
 }
 
+// Pixels of what stands still that something passes over while the shutter is open. In other frames it passes elsewhere:
+// a trace of it, too faint to be told by its albedo, would be left behind.
+void set_swept_apart(const std::vector<Hit>& hits, const RenderScene& scene, const std::vector<char>& edges,
+                     ClipFrame& frame) {
+  const auto stands_still = [&](const Hit& hit) {
+    return !hit.found() || scene.objects[hit.object].motion.instants.size() < 2;
+  };
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (edges[i] == 2 && stands_still(hits[i])) frame.points[i].distance = std::numeric_limits<float>::quiet_NaN();
+}
+
 bool is_same(const CameraView& a, const CameraView& b) {
   return a.position == b.position && a.corner == b.corner && a.step_x == b.step_x && a.step_y == b.step_y;
 }
@@ -73,7 +84,8 @@ Vector3f point_on(const TriangleMesh& mesh, const ClipFrame::Place& place) {
 
 }  // namespace
 
-ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene, const TracedImage& traced) {
+ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene, const TracedImage& traced,
+                          const std::vector<char>& edges) {
   const int width = traced.color.width, height = traced.color.height;
   CameraView view = view_at_moment(scene, width, height);
   view.aperture_radius = 0;
@@ -95,6 +107,7 @@ ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene
       }
   });
   set_clear_apart(hits, scene, frame);
+  set_swept_apart(hits, scene, edges, frame);
   return frame;
 }
 

@@ -16,7 +16,8 @@ struct alignas(64) SeenPoint {
   float variance = 0;              // of the luminance of their mean, as the paths tell it
   unsigned object = Hit::nothing;  // in the middle of the pixel
   float distance = 0, slope = 0;   // [m] of that; by how much it changes to the pixels beside. NaN at and beside clear
-                                   // matter, through which something else is seen in every frame: like no other point
+                                   // matter, through which something else is seen in every frame, and where something
+                                   // passes before what stands still: like no other point
   float albedo[3], normal[3];      // means over the pixel
 };
 
@@ -36,9 +37,10 @@ struct ClipFrame {
   const SeenPoint& point(int x, int y) const { return points[std::size_t(y) * width + x]; }
 };
 
-/// Of a picture that was traced of the scene. hits: find_first_hits() of it. The values do not depend on the number of
-/// threads.
-ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene, const TracedImage& traced);
+/// Of a picture that was traced of the scene. hits: find_first_hits() of it; edges: its find_swept_edges(), or none. The
+/// values do not depend on the number of threads.
+ClipFrame make_clip_frame(const std::vector<Hit>& hits, const RenderScene& scene, const TracedImage& traced,
+                          const std::vector<char>& edges = {});
 
 /// Where the points that one frame shows are in another.
 class Reprojection {

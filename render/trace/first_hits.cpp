@@ -64,27 +64,38 @@ bool is_edge(const std::vector<EdgeLook>& looks, int width, int height, int x, i
 
 }  // namespace
 
-std::vector<Hit> find_first_hits(const RayScene& rays, const RenderScene& scene, int width, int height) {
-  std::vector<Hit> hits(std::size_t(width) * height);
-  CameraView pinhole = view_at_moment(scene, width, height);
+std::vector<Hit> find_first_hits(const RayScene& rays, const RenderScene& scene, const FirstHitOptions& options) {
+  const int step = options.step, first = step / 2;
+  const int columns = (options.width - first + step - 1) / step, lines = (options.height - first + step - 1) / step;
+  std::vector<Hit> hits(std::size_t(columns) * lines);
+  CameraView pinhole = view_at(scene, options.time, options.width, options.height);
   pinhole.aperture_radius = 0;
-  parallel_blocks(height, 8, [&](Eigen::Index begin, Eigen::Index end) {
+  parallel_blocks(lines, 8, [&](Eigen::Index begin, Eigen::Index end) {
     rows::RayRows bundle;
     rows::HitRows found;
-    for (int y = int(begin); y < int(end); ++y)
-      for (int left = 0; left < width; left += rows::capacity) {
-        const int count = std::min(rows::capacity, width - left);
+    for (int line = int(begin); line < int(end); ++line)
+      for (int left = 0; left < columns; left += rows::capacity) {
+        const int count = std::min(rows::capacity, columns - left);
         for (int i = 0; i < count; ++i) {
-          Ray ray = camera_ray(pinhole, float(left + i) + 0.5f, float(y) + 0.5f, {0, 0});
-          ray.time = scene.moment;
+          const int x = first + step * (left + i), y = first + step * line;
+          Ray ray = camera_ray(pinhole, float(x) + 0.5f, float(y) + 0.5f, {0, 0});
+          ray.time = options.time;
           bundle.set(i, ray);
         }
         rays.intersect(bundle, count, true, found);
         for (int i = 0; i < count; ++i)
-          if (found.found(i)) hits[std::size_t(y) * width + left + i] = found.at(i);
+          if (found.found(i)) hits[std::size_t(line) * columns + left + i] = found.at(i);
       }
   });
   return hits;
+}
+
+std::vector<Hit> find_first_hits(const RayScene& rays, const RenderScene& scene, int width, int height) {
+  return find_first_hits(rays, scene, {.width = width, .height = height, .time = scene.moment});
+}
+
+bool differ(const RayScene& rays, const Hit& a, const Hit& b) {
+  return differ(look_of(rays.objects(), a), look_of(rays.objects(), b));
 }
 
 std::vector<char> find_edges(const RayScene& rays, const std::vector<Hit>& hits, int width, int height) {

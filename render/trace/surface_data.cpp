@@ -20,21 +20,6 @@ Corners corners_of(const TracedObject& object, const Hit& hit) {
   return {{index[0], index[1], index[2]}, {1 - hit.u - hit.v, hit.u, hit.v}};
 }
 
-Vector3f position_on(const TracedObject& object, const Corners& corners, float time) {
-  const TracedObject::Instant instant = object.at(time);
-  const auto vertex = [&](std::size_t first, unsigned index) {
-    return Vector3f(object.vertices[first + index].position);
-  };
-  Vector3f position(0, 0, 0);
-  for (int c = 0; c < 3; ++c) {
-    Vector3f corner = vertex(instant.before, corners.index[c]);
-    if (object.is_moving())
-      corner = (1 - instant.share) * corner + instant.share * vertex(instant.after, corners.index[c]);
-    position += corners.weight[c] * corner;
-  }
-  return position;
-}
-
 Vector3f position_on(const TriangleMesh& mesh, const Corners& corners) {
   Vector3f position(0, 0, 0);
   for (int c = 0; c < 3; ++c)
@@ -62,7 +47,7 @@ class Looker {
     const TracedObject& traced = rays_.objects()[hit.object];
     const RenderObject& object = scene_.objects[hit.object];
     const Corners corners = corners_of(traced, hit);
-    const Vector3f position = position_on(traced, corners, scene_.moment);
+    const Vector3f position = traced.position_on(hit, scene_.moment);
     *data.depth.pixel(x, y) = now_.depth(position);
     *data.object.pixel(x, y) = float(hit.object + 1);
     std::copy_n(position.data(), 3, data.position.pixel(x, y));

@@ -117,17 +117,24 @@ TracedObject::Instant TracedObject::at(float time) const {
           .share = place.share};
 }
 
+Vector3f TracedObject::corner(unsigned triangle, int c, const Instant& instant) const {
+  const unsigned index = triangles[triangle].index[c];
+  const Vector3f before(vertices[instant.before + index].position);
+  return is_moving() ? Vector3f((1 - instant.share) * before +
+                                instant.share * Vector3f(vertices[instant.after + index].position))
+                     : before;
+}
+
 Vector3f TracedObject::face(unsigned triangle, float time) const {
   const Instant instant = at(time);
-  const auto corner = [&](int c) -> Vector3f {
-    const unsigned index = triangles[triangle].index[c];
-    const Vector3f before(vertices[instant.before + index].position);
-    return is_moving() ? Vector3f((1 - instant.share) * before +
-                                  instant.share * Vector3f(vertices[instant.after + index].position))
-                       : before;
-  };
-  const Vector3f a = corner(0);
-  return (corner(1) - a).cross(corner(2) - a);
+  const Vector3f a = corner(triangle, 0, instant);
+  return (corner(triangle, 1, instant) - a).cross(corner(triangle, 2, instant) - a);
+}
+
+Vector3f TracedObject::position_on(const Hit& hit, float time) const {
+  const Instant instant = at(time);
+  return (1 - hit.u - hit.v) * corner(hit.triangle, 0, instant) + hit.u * corner(hit.triangle, 1, instant) +
+         hit.v * corner(hit.triangle, 2, instant);
 }
 
 Vector3f TracedObject::color_at(unsigned triangle, float first_share, float u, float v) const {

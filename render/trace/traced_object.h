@@ -57,8 +57,13 @@ struct TracedObject {
   Instant at(float time) const;
   /// Normal of a triangle, not of unit length, on the side from which its corners run counter-clockwise.
   Vector3f face(unsigned triangle, float time) const;
+  /// Where a point of it is.
+  Vector3f position_on(const Hit& hit, float time) const;
   /// The colour of the triangle's paint, by texture or vertices where it has them; first_share: barycentric weight of the first corner.
   Vector3f color_at(unsigned triangle, float first_share, float u, float v) const;
+
+ private:
+  Vector3f corner(unsigned triangle, int c, const Instant& instant) const;
 };
 
 /// Throws Error 65 for indices out of range, positions that are not finite, and instants of another number of vertices.

@@ -7,6 +7,7 @@
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
 #include "tools/pictures/motion_blur.h"
+#include "tools/pictures/traced_picture.h"
 #include "tools/run/render_frames.h"
 
 using namespace umax;
@@ -115,6 +116,27 @@ TEST_CASE("render draws the frames whose neighbours are there, and no others") {
   const ProcessResult missing = umax_program({"render", (folder / "run").string(), "--resume", "--frames", "5"});
   CHECK(missing.exit_code == 2);
   CHECK(pictures_of(folder / "run").size() == 4);
+}
+
+TEST_CASE("pixels that edges sweep over in a frame of few samples get as many paths as those that they stand on") {
+  const Scene scene = load_scene("press", {parse_override("render.shutter=1"), parse_override("clip.frames=9"),
+                                           parse_override("render.size=[96, 54]"), parse_override("render.samples=2")});
+  const Simulation simulation = set_up(scene);
+  State now = rest_state(simulation.model), after = now;
+  after.time = 1 / scene.clip.fps;
+  after.positions.col(0).array() += 0.3;
+  const Stage stage = make_stage(simulation, box_of(simulation, now.positions));
+  const RenderScene sharp = make_shot(simulation, stage, now, Camera());
+  RenderScene blurred = sharp;
+  add_motion(simulation, stage, {now, after}, exposure_of(scene.render, 1, 9), 1, blurred);
+  const auto pixels_of_many = [&](const RenderScene& shot) {
+    const std::vector<float> samples = trace_shot(shot, scene.render, 1).image.samples.values;
+    return std::count(samples.begin(), samples.end(), *std::max_element(samples.begin(), samples.end()));
+  };
+  const auto on_edges = pixels_of_many(sharp), swept = pixels_of_many(blurred);
+  CAPTURE(on_edges, swept);
+  CHECK(on_edges > 100);
+  CHECK(double(swept) > 1.2 * double(on_edges));
 }
 
 TEST_CASE("what stands still is given no motion, and what moves is where its states and tracks say") {

@@ -21,7 +21,8 @@ constexpr int preview_radius = 3;
 // that a filter looks at: they share one sequence of samples, so that all of them together are spread well, and what stands
 // still is drawn from the same samples in every frame
 constexpr int filter_frames = 5;
-// of pixels that edges cross, where other frames help with all others, but not with the shape of what moves
+// of pixels that edges cross while the shutter is open: other frames help with all others, but not with the shape of what
+// moves
 constexpr int edge_samples = 16;
 // [px] that the filter draws from once light was gathered over frames: little noise is left
 constexpr int gathered_radius = 4;
@@ -172,13 +173,13 @@ TracedShot trace_shot(RenderScene shot, const RenderDescription& render, std::op
   std::vector<Hit> hits;
   if (frame) {
     hits = find_first_hits(rays, shot, render.width, render.height);
-    options.edges = find_edges(rays, hits, render.width, render.height);
+    options.edges = find_swept_edges(rays, shot, hits, render.width, render.height);
     mark_clear(hits, shot, options.edges);
   }
   traced.image = path_trace(rays, traced.is_cut_out ? made_transparent(shot) : shot, options);
   if (stop_flag()) return traced;
   if (frame) {
-    traced.frame = make_clip_frame(hits, shot, traced.image);
+    traced.frame = make_clip_frame(hits, shot, traced.image, options.edges);
     traced.image.color = traced.image.half = {};  // which the clip's frame has; several wait for their turn
   }
   if (!render.layers.empty()) traced.data = find_surface_data(rays, shot, render.width, render.height);
