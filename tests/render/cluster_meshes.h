@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "render/trace/traced_object.h"
@@ -54,6 +55,20 @@ inline TriangleMesh sheet(int cells) {
       mesh.triangles.row(t++) << node(i, j), node(i + 1, j), node(i + 1, j + 1);
       mesh.triangles.row(t++) << node(i, j), node(i + 1, j + 1), node(i, j + 1);
     }
+  return mesh;
+}
+
+/// Long thin triangles around a point, in a plane aslant.
+inline TriangleMesh fan(int count) {
+  TriangleMesh mesh;
+  mesh.positions.resize(count + 1, 3);
+  mesh.triangles.resize(count, 3);
+  mesh.positions.row(0).setZero();
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    mesh.positions.row(1 + i) << std::cos(angle), std::sin(angle), 0.5 * std::cos(angle);
+    mesh.triangles.row(i) << 0, 1 + i, 1 + (i + 1) % count;
+  }
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "render/trace/ray_scene.h"
 #include "tests/render/cluster_meshes.h"
@@ -260,4 +261,41 @@ TEST_CASE("boxes hold their clusters at all times") {
         }
     }
   }
+}
+
+TEST_CASE("a ray comes through few boxes of long thin triangles, at rest and on their way, and meets the right one") {
+  constexpr int count = 15000, num_rays = 60;
+  const Vector3d way = GENERATE(Vector3d(0, 0, 0), Vector3d(0.3, -0.1, 0.2));
+  RenderScene scene;
+  scene.objects.push_back(render_object(fan(count)));
+  if (!way.isZero()) {
+    TriangleMesh there = fan(count);
+    there.positions.rowwise() += way.transpose();
+    scene.objects[0].motion.instants = {scene.objects[0].mesh, shared(std::move(there))};
+  }
+  const TracedObject object = make_traced_object(scene.objects[0]);
+  REQUIRE(is_sliced(object));
+  const MovingClusters clusters(
+      object, std::make_shared<const TriangleClusters>(make_clusters(object.triangles, object.num_vertices)));
+  const RayScene rays(scene);
+  Numbers number(19);
+  int num_boxes = 0;
+  for (int k = 0; k < num_rays; ++k) {
+    const float time = k % 2 ? 0.999f : 0.0f;
+    const Vector3d place(0.4 * number(), 0.4 * number(), 0), own = place - double(time) * way;
+    const Ray ray{.origin = (place + Vector3d(0, 0, 3)).cast<float>(), .direction = {0, 0, -1}, .time = time};
+    const Hit hit = rays.intersect(ray);
+    REQUIRE(hit.found());
+    CHECK(rays.occluded(ray));
+    CHECK(hit.distance == Approx(3 - double(time) * way[2] - 0.5 * own[0]).epsilon(1e-5));
+    const double angle = std::atan2(own[1], own[0]) / (2 * std::numbers::pi);
+    CHECK(std::remainder(double(hit.triangle) + 0.5 - angle * count, count) == Approx(0).margin(0.6));
+    const std::size_t step = time > 0 ? clusters.num_steps() - 1 : 0;
+    for (std::size_t i = 0; i < clusters.count(); ++i) {
+      const MovingClusters::Box& box = clusters.box(i, step);
+      num_boxes += box.low[0] <= ray.origin[0] && ray.origin[0] <= box.high[0] && box.low[1] <= ray.origin[1] &&
+                   ray.origin[1] <= box.high[1];
+    }
+  }
+  CHECK(num_boxes < 50 * num_rays);  // of whole clusters 150 and more, of triangles 2,000
 }

@@ -2,6 +2,7 @@
 #include "render/trace/triangle_clusters.h"
 
 #include <algorithm>
+#include <ctime>
 #include <set>
 #include <vector>
 
@@ -54,6 +55,24 @@ TEST_CASE("clusters of meshes that fall apart, turn back and have corners twice 
   }
   CHECK(seen.size() == object.triangles.size());
   CHECK(std::set<unsigned>(seen.begin(), seen.end()).size() == object.triangles.size());
+}
+
+TEST_CASE("many triangles at one vertex are grouped in little time, with their neighbours") {
+  const int count = 40000;
+  const TracedObject object = traced(fan(count));
+  const std::clock_t start = std::clock();
+  const TriangleClusters clusters = make_clusters(object.triangles, object.num_vertices);
+  CHECK(double(std::clock() - start) / CLOCKS_PER_SEC < 2);  // 0.02, where to look at all each time took 10
+  int num_apart = 0;
+  std::size_t num_triangles = 0;
+  for (const TriangleCluster& cluster : clusters) {
+    const std::set<unsigned> own(cluster.triangles.begin(), cluster.triangles.end());
+    num_triangles += own.size();
+    num_apart += *own.rbegin() - *own.begin() >= own.size();
+  }
+  CHECK(num_triangles == std::size_t(count));
+  CHECK(count / double(clusters.size()) > 13);
+  CHECK(num_apart <= 1);  // where the last meets the first
 }
 
 TEST_CASE("a mesh that is known has its clusters already, another one gets its own") {
