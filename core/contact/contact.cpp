@@ -125,10 +125,9 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
   const Model::BodyRange& body = body_of_hex(model, hex);
   const ObstacleAt& end = step.obstacles_t1[obstacle];
   const double centre_distance = signed_distance(*end.shape, end.pose.local(sphere.centre)).distance;
-  if (centre_distance > sphere.radius && centre_distance > sphere.radius + way_against(step, obstacle, hex, sphere))
-    return false;
-  const bool is_triangles = std::holds_alternative<TriangleShape>(*end.shape);
   const double way = way_against(step, obstacle, hex, sphere);
+  if (centre_distance > sphere.radius + way) return false;
+  const bool is_triangles = std::holds_alternative<TriangleShape>(*end.shape);
   const Vector3d half_edges = longest_half_edges(nodes);
   deepest = {{ContactKind::vertex, -1}, obstacle, hex, -threshold};
   const double tie = tied_depth(model, hex);

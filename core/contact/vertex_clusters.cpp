@@ -26,11 +26,16 @@ Vector3d local_place(const Model::BodyRange& body, int point) {
   return s;
 }
 
+struct Placed {
+  Vector3d place;  // [-] in the hex
+  int point;
+};
+
 // Cuts the vertices in halves along the longest side of their box until they are few.
-void split(const Model::BodyRange& body, std::vector<int>::iterator begin, std::vector<int>::iterator end, int first,
+void split(std::vector<Placed>::iterator begin, std::vector<Placed>::iterator end, int first,
            std::vector<VertexCluster>& clusters) {
   Eigen::AlignedBox3d box;
-  for (auto point = begin; point != end; ++point) box.extend(local_place(body, *point));
+  for (auto placed = begin; placed != end; ++placed) box.extend(placed->place);
   if (end - begin <= most_vertices) {
     clusters.push_back({first, int(end - begin), box.center(), 0.5 * box.sizes()});
     return;
@@ -38,11 +43,22 @@ void split(const Model::BodyRange& body, std::vector<int>::iterator begin, std::
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const auto middle = begin + (end - begin) / 2;
-  std::nth_element(begin, middle, end, [&](int a, int b) {
-    return std::pair(local_place(body, a)[axis], a) < std::pair(local_place(body, b)[axis], b);
+  std::nth_element(begin, middle, end, [&](const Placed& a, const Placed& b) {
+    return std::pair(a.place[axis], a.point) < std::pair(b.place[axis], b.point);
   });
-  split(body, begin, middle, first, clusters);
-  split(body, middle, end, first + int(middle - begin), clusters);
+  split(begin, middle, first, clusters);
+  split(middle, end, first + int(middle - begin), clusters);
+}
+
+// Clusters of the hex's vertices, which are put in the clusters' order.
+std::vector<VertexCluster> cluster_hex(const Model::BodyRange& body, int* points, int first, int count) {
+  std::vector<Placed> placed;
+  placed.reserve(std::size_t(count));
+  for (int k = first; k < first + count; ++k) placed.push_back({local_place(body, points[k]), points[k]});
+  std::vector<VertexCluster> clusters;
+  split(placed.begin(), placed.end(), first, clusters);
+  for (int k = 0; k < count; ++k) points[first + k] = placed[std::size_t(k)].point;
+  return clusters;
 }
 
 }  // namespace
@@ -54,8 +70,8 @@ VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index hex = begin; hex < end; ++hex)
       if (hex_starts[hex] < hex_starts[hex + 1])
-        split(model.bodies[std::size_t(model.hex_body[hex])], clusters.points.begin() + hex_starts[hex],
-              clusters.points.begin() + hex_starts[hex + 1], hex_starts[hex], of_hexes[std::size_t(hex)]);
+        of_hexes[std::size_t(hex)] = cluster_hex(model.bodies[std::size_t(model.hex_body[hex])], clusters.points.data(),
+                                                 hex_starts[hex], hex_starts[hex + 1] - hex_starts[hex]);
   });
   for (std::size_t hex = 0; hex < of_hexes.size(); ++hex) {
     std::move(of_hexes[hex].begin(), of_hexes[hex].end(), std::back_inserter(clusters.all));

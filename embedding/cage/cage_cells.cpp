@@ -15,6 +15,7 @@ namespace {
 // cells are tested as open boxes, smaller by this share of an edge on all sides; less than cell_table.h's
 // face_tolerance
 constexpr double shrink = 1e-10;
+constexpr double spare = 1e-6;  // [cells] by which blocks of cells are tested larger
 
 // the cells on both sides of a grid plane that holds a triangle; equal at the border of the grid
 struct PlanePair {
@@ -28,7 +29,10 @@ struct Touch {
 
 class Toucher {
  public:
-  Toucher(const CageGrid& grid, Touch& out) : grid_(grid), out_(out) { recent_.fill({-1, -1, -1}); }
+  Toucher(const CageGrid& grid, Touch& out) : grid_(grid), out_(out) {
+    recent_.fill({-1, -1, -1});
+    for (auto& pairs : recent_pairs_) pairs.fill({{-1, -1, -1}, {-1, -1, -1}});
+  }
 
   void add(std::array<Vector3d, 3> corners) {  // in grid coordinates
     const Vector3d min = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
@@ -47,28 +51,87 @@ class Toucher {
       high[std::size_t(axis)] = last;
     }
     if (low == high && plane_axis < 0) return keep(low);
-    for (int i = low[0]; i <= high[0]; ++i)
-      for (int j = low[1]; j <= high[1]; ++j)
-        for (int k = low[2]; k <= high[2]; ++k) test({i, j, k}, corners, plane_axis);
+    test(low, high, corners, plane_axis);
   }
 
  private:
+  // A triangle that is long and thin, or large, meets few of the cells in its box: blocks of cells that it does not meet
+  // are left out at once.
+  void test(const Cell& low, const Cell& high, const std::array<Vector3d, 3>& corners, int plane_axis) {
+    constexpr int few_cells = 4;
+    int longest = 0, num_cells = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int size = high[std::size_t(axis)] - low[std::size_t(axis)] + 1;
+      num_cells = std::min(num_cells * std::min(size, few_cells + 1), few_cells + 1);
+      if (size > high[std::size_t(longest)] - low[std::size_t(longest)] + 1) longest = axis;
+    }
+    if (num_cells <= few_cells) {
+      for_each_cell(low, high, [&](const Cell& cell) { return test(cell, corners, plane_axis), true; });
+      return;
+    }
+    if (for_each_cell(low, high, [&](const Cell& cell) { return is_recent(pair_at(cell, plane_axis), plane_axis); }))
+      return;
+    if (!meets_block(low, high, corners)) return;
+    const auto axis = std::size_t(longest);
+    Cell middle = high, next = low;
+    middle[axis] = low[axis] + (high[axis] - low[axis]) / 2;
+    next[axis] = middle[axis] + 1;
+    test(low, middle, corners, plane_axis);
+    test(next, high, corners, plane_axis);
+  }
+
+  // with room to spare, so that no rounding leaves out a cell that the triangle meets
+  static bool meets_block(const Cell& low, const Cell& high, std::array<Vector3d, 3> corners) {
+    const Vector3d first(low[0], low[1], low[2]), end(high[0] + 1, high[1] + 1, high[2] + 1);
+    const Vector3d centre = 0.5 * (first + end);
+    for (Vector3d& corner : corners) corner -= centre;
+    return triangle_meets_box(corners, 0.5 * (end - first) + Vector3d::Constant(spare));
+  }
+
+  // until visit(cell) returns false; returns whether it never did
+  template <class Visit>
+  static bool for_each_cell(const Cell& low, const Cell& high, const Visit& visit) {
+    for (int i = low[0]; i <= high[0]; ++i)
+      for (int j = low[1]; j <= high[1]; ++j)
+        for (int k = low[2]; k <= high[2]; ++k)
+          if (!visit({i, j, k})) return false;
+    return true;
+  }
+
+  // both cells are the same where there is no plane
+  PlanePair pair_at(const Cell& cell, int plane_axis) const {
+    PlanePair pair{clamped(cell), cell};
+    if (plane_axis >= 0) ++pair.high[std::size_t(plane_axis)];
+    pair.high = clamped(pair.high);
+    return pair;
+  }
+
   void test(const Cell& cell, std::array<Vector3d, 3> corners, int plane_axis) {
+    const PlanePair pair = pair_at(cell, plane_axis);
+    if (is_recent(pair, plane_axis)) return;
     for (Vector3d& corner : corners) corner -= Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
     if (!triangle_meets_box(corners, Vector3d::Constant(0.5 - shrink))) return;
     if (plane_axis < 0) return keep(cell);
-    PlanePair pair{clamped(cell), cell};
-    ++pair.high[std::size_t(plane_axis)];
-    pair.high = clamped(pair.high);
+    recent_pairs_[std::size_t(plane_axis)][slot_of(pair.low)] = pair;
     out_.pairs.push_back(pair);
   }
 
   void keep(const Cell& cell) {
     const Cell inside = clamped(cell);
-    const std::size_t slot = std::size_t(inside[0] * 73 + inside[1] * 19 + inside[2]) % recent_.size();
+    const std::size_t slot = slot_of(inside);
     if (recent_[slot] == inside) return;  // most triangles of a fine mesh fall into a cell that was just seen
     recent_[slot] = inside;
     out_.cells.push_back(inside);
+  }
+
+  bool is_recent(const PlanePair& pair, int plane_axis) const {
+    if (plane_axis < 0) return recent_[slot_of(pair.low)] == pair.low;
+    const PlanePair& recent = recent_pairs_[std::size_t(plane_axis)][slot_of(pair.low)];
+    return recent.low == pair.low && recent.high == pair.high;
+  }
+
+  static std::size_t slot_of(const Cell& cell) {
+    return std::size_t(cell[0] * 73 + cell[1] * 19 + cell[2]) % num_slots;
   }
 
   Cell clamped(Cell cell) const {
@@ -79,7 +142,9 @@ class Toucher {
 
   const CageGrid& grid_;
   Touch& out_;
-  std::array<Cell, 1024> recent_;
+  static constexpr std::size_t num_slots = 1024;
+  std::array<Cell, num_slots> recent_;
+  std::array<std::array<PlanePair, num_slots>, 3> recent_pairs_;  // by the plane's axis
 };
 
 Touch touch_cells(const Points& positions, const Triangles& triangles, const CageGrid& grid) {

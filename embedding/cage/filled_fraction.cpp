@@ -9,9 +9,11 @@ namespace {
 // adds the length [cells] of every inside stretch to the cells of its column
 VectorXd fractions_by_winding(const Solid& solid, const CageGrid& grid, const CageCells& cells) {
   const double num_columns = double(grid.size[0]) * grid.size[1];
-  const int lines_per_cell = num_columns > 1e5 ? 8 : 16;
+  int lines_per_cell = num_columns > 1e5 ? 8 : 16;
   LineGrid lines;
   lines.spacing = grid.cell_size.head<2>() / lines_per_cell;
+  for (; lines_per_cell > 1 && num_crossings(solid.surface, lines) > most_crossings; lines_per_cell /= 2)
+    lines.spacing *= 2;
   lines.origin = grid.origin.head<2>() + 0.5 * lines.spacing;
   lines.size = grid.size.head<2>() * lines_per_cell;
   lines.group = lines_per_cell;

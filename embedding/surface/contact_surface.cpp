@@ -1,7 +1,5 @@
 #include "embedding/surface/contact_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -19,6 +17,8 @@ namespace {
 constexpr double largest_cap = 0.02;       // [-] of the area of a part, holes that count as closed
 constexpr double small_share = 1 / 256.0;  // [-] of the largest extent: longest edge of triangles that stay whole
 constexpr int most_cuts = 64;              // of an edge
+constexpr double most_pieces = 4e6;        // of all triangles: where they would be more, larger ones stay whole
+constexpr double most_pieces_each = 16;    // on average, that may come to these
 
 enum class Border : char { none, as_it_is, turned };
 
@@ -87,8 +87,7 @@ class Cut {
   int n_;
 };
 
-Border border_at(const SideFinder& finder, int triangle, const Vector3d& point) {
-  const WindingSides sides = finder.sides_at(triangle, point);
+Border border_between(const WindingSides& sides) {
   if ((sides.behind != 0) == (sides.front != 0)) return Border::none;
   return sides.behind != 0 ? Border::as_it_is : Border::turned;
 }
@@ -107,6 +106,7 @@ class Triage {
     Eigen::AlignedBox3d box;
     for (const int corner : triangles.reshaped()) box.extend(positions.row(corner).transpose());
     small_ = small_share * box.sizes().maxCoeff();
+    while (num_pieces() > most_pieces + most_pieces_each * double(triangles.rows())) small_ *= 2;
   }
 
   /// Into how many pieces an edge is cut, for the pieces to be small.
@@ -129,22 +129,43 @@ class Triage {
  private:
   template <class CutsOf>
   std::vector<Decision> decide_each(const CutsOf& cuts_of) const {
-    std::vector<Decision> decisions(std::size_t(triangles_.rows()));
-    tbb::parallel_for(0, int(triangles_.rows()), [&](int t) { decisions[std::size_t(t)] = decide(t, cuts_of(t)); });
+    constexpr std::size_t queries_at_once = 1 << 20;
+    std::vector<Decision> decisions;
+    decisions.reserve(std::size_t(triangles_.rows()));
+    std::vector<SideQuery> queries;
+    for (int t = 0; t < int(triangles_.rows());) {
+      queries.clear();
+      for (; t < int(triangles_.rows()) && queries.size() < queries_at_once; ++t) {
+        const Cut cut(positions_, triangles_, t, cuts_of(t));
+        for (int p = 0; p < cut.num_pieces(); ++p) queries.push_back({t, cut.centre(p)});
+      }
+      const std::vector<WindingSides> sides = finder_.sides_at(queries);
+      for (std::size_t q = 0; q < queries.size();) {
+        std::vector<Border> borders;
+        for (const int of = queries[q].triangle; q < queries.size() && queries[q].triangle == of; ++q)
+          borders.push_back(border_between(sides[q]));
+        decisions.push_back(decision_from(std::move(borders)));
+      }
+    }
     return decisions;
   }
 
-  Decision decide(int t, int n) const {
-    const Cut cut(positions_, triangles_, t, n);
+  static Decision decision_from(std::vector<Border> borders) {
+    constexpr std::size_t pieces_of_a_look = 4;
     Decision decision;
-    std::vector<Border> borders;
-    for (int p = 0; p < cut.num_pieces(); ++p) borders.push_back(border_at(finder_, t, cut.centre(p)));
     for (const Border border : borders) {
       decision.is_mixed |= border != borders[0];
       if (decision.whole == Border::none) decision.whole = border;
     }
-    if (decision.is_mixed && n > 2) decision.pieces = std::move(borders);
+    if (decision.is_mixed && borders.size() > pieces_of_a_look) decision.pieces = std::move(borders);
     return decision;
+  }
+
+  // of all triangles, if they are cut
+  double num_pieces() const {
+    double count = 0;
+    for (int t = 0; t < int(triangles_.rows()); ++t) count += double(cuts(t)) * cuts(t);
+    return count;
   }
 
   const Points& positions_;

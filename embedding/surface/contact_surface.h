@@ -12,8 +12,8 @@ namespace umax {
 
 /// The triangles that border the outside, directed so that their normals point outwards; only positions and triangles
 /// are set, the mesh's own positions come first. Parts that are buried in other parts are left out. A triangle that is
-/// buried in part stays whole if it is small (1/256 of the mesh's box), else it is cut and the buried pieces are left
-/// out. Small holes are capped; a part with larger ones (caps of more than 2 % of its area) has no inside and is left
+/// buried in part stays whole if it is small (1/256 of the mesh's box; more where very many triangles are larger), else it
+/// is cut and the buried pieces are left out. Small holes are capped; a part with larger ones (caps of more than 2 % of its area) has no inside and is left
 /// out. No triangles: the mesh has no inside.
 TriangleMesh contact_surface(const TriangleMesh& mesh);
 

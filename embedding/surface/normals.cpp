@@ -76,6 +76,12 @@ class FanBuilder {
     shared_.assign(welded_.size(), 0);
     for (std::size_t v = 0; v < welded_.size(); ++v)
       if (welded_[v] != int(v)) shared_[welded_[v]] = 1;
+    // where vertices keep to their own, each finds these at once
+    for (std::size_t v = 0; v < welded_.size(); ++v)
+      if (shared_[v] && num_corners(int(v)) > most_seen)
+        std::stable_sort(corners_.corners.begin() + corners_.offsets[v],
+                         corners_.corners.begin() + corners_.offsets[v + 1],
+                         [&](int a, int b) { return vertex_at(a) < vertex_at(b); });
   }
 
   /// Appends the chains of the vertices to entries, and to sizes how many entries each got.
@@ -90,6 +96,11 @@ class FanBuilder {
   }
 
  private:
+  static constexpr int most_seen = 2048;
+
+  int num_corners(int group) const { return corners_.offsets[group + 1] - corners_.offsets[group]; }
+  int vertex_at(int corner) const { return mesh_.triangles(corner / 3, corner % 3); }
+
   Vector3d normal(int t) const {
     const Vector3d a = mesh_.positions.row(mesh_.triangles(t, 0)), b = mesh_.positions.row(mesh_.triangles(t, 1)),
                    c = mesh_.positions.row(mesh_.triangles(t, 2));
@@ -99,18 +110,24 @@ class FanBuilder {
   void collect_rim(int v, std::vector<RimEdge>& rim) const {
     rim.clear();
     const int group = welded_[v];
-    const auto first = corners_.corners.begin() + corners_.offsets[group];
-    const auto last = corners_.corners.begin() + corners_.offsets[group + 1];
-    const auto is_own = [&](int corner) { return mesh_.triangles(corner / 3, corner % 3) == v; };
+    auto first = corners_.corners.begin() + corners_.offsets[group];
+    auto last = corners_.corners.begin() + corners_.offsets[group + 1];
+    const auto is_own = [&](int corner) { return vertex_at(corner) == v; };
 
-    // a vertex that shares its position sees the other triangles only across gentle angles
+    // A vertex that shares its position sees the other triangles only across gentle angles; not where each of thousands
+    // would see thousands.
+    const bool sees_others = shared_[group] && num_corners(group) <= most_seen;
+    if (shared_[group] && !sees_others) {
+      first = std::partition_point(first, last, [&](int corner) { return vertex_at(corner) < v; });
+      last = std::partition_point(first, last, [&](int corner) { return vertex_at(corner) == v; });
+    }
     Vector3d own = Vector3d::Zero();
-    if (shared_[group])
+    if (sees_others)
       for (auto it = first; it != last; ++it)
         if (is_own(*it)) own += normal(*it / 3);
     for (auto it = first; it != last; ++it) {
       const int t = *it / 3, corner = *it % 3;
-      if (shared_[group] && !is_own(*it)) {
+      if (sees_others && !is_own(*it)) {
         const Vector3d other = normal(t);
         if (!(other.dot(own) > min_cosine_ * other.norm() * own.norm())) continue;
       }

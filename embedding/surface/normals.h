@@ -12,7 +12,8 @@ namespace umax {
 /// (negative) begins a new chain at vertex i.
 ///
 /// Vertices that share a position share their triangles where these meet at less than crease_degrees, so that seams of
-/// texture coordinates and facets of STL files come out smooth while hard edges of split vertices stay hard.
+/// texture coordinates and facets of STL files come out smooth while hard edges of split vertices stay hard. Where more
+/// than 2,048 triangles meet, vertices keep to their own.
 struct VertexFans {
   std::vector<int> order;    // #V vertices along a space-filling curve
   std::vector<int> offsets;  // #V + 1

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -44,6 +45,44 @@ bool trust_level_set(const TriangleMesh& mesh, const Solid& solid, double windin
 // [-] voxels in a narrow band of three on both sides
 double band_voxels(double area, double voxel) {
   return 8 * area / (voxel * voxel);
+}
+
+// The level set takes each triangle's voxels one by one: thousands of triangles that are long and thin, or lie over each
+// other, take far longer than their area says.
+bool is_long_work(const TriangleMesh& mesh, double voxel) {
+  constexpr double long_edge = 8, most = 1e6;  // [voxels]
+  double sum = 0;
+  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k)
+      longest = std::max(
+          longest,
+          (mesh.positions.row(mesh.triangles(t, k)) - mesh.positions.row(mesh.triangles(t, (k + 1) % 3))).norm() /
+              voxel);
+    if (longest > long_edge) sum += longest;
+  }
+  return sum > most;
+}
+
+// The triangles with the first vertex of each small cube in the place of all others there; each once.
+Triangles merged_within(const TriangleMesh& mesh, double edge) {
+  const Eigen::Index num_vertices = mesh.num_vertices();
+  const Eigen::RowVector3d low = mesh.positions.colwise().minCoeff();
+  Points cubes(num_vertices, 3);
+  for (Eigen::Index v = 0; v < num_vertices; ++v) cubes.row(v) = ((mesh.positions.row(v) - low) / edge).array().floor();
+  const std::vector<int> first = weld(cubes);
+  std::vector<std::array<int, 3>> corners;
+  for (Eigen::Index t = 0; t < mesh.num_triangles(); ++t) {
+    std::array<int, 3> of{first[mesh.triangles(t, 0)], first[mesh.triangles(t, 1)], first[mesh.triangles(t, 2)]};
+    std::sort(of.begin(), of.end());
+    if (of[0] != of[1] && of[1] != of[2]) corners.push_back(of);
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  Triangles triangles(Eigen::Index(corners.size()), 3);
+  for (std::size_t t = 0; t < corners.size(); ++t)
+    triangles.row(Eigen::Index(t)) << corners[t][0], corners[t][1], corners[t][2];
+  return triangles;
 }
 
 std::vector<char> inside_by_level_set(const LevelSet& level_set, const PointGrid& grid,
@@ -102,7 +141,10 @@ Solid make_solid(const TriangleMesh& mesh, ClosedSurface surface, double voxel) 
     return solid;
   }
   const Vector3d low = mesh.positions.colwise().minCoeff();
-  LevelSet level_set(mesh.positions, mesh.triangles, low, {.voxel = voxel});
+  constexpr double merged_share = 1.0 / 16;  // of a voxel
+  LevelSet level_set(mesh.positions,
+                     is_long_work(mesh, voxel) ? merged_within(mesh, merged_share * voxel) : mesh.triangles, low,
+                     {.voxel = voxel});
   solid.level_set_volume = level_set.volume();
   if (trust_level_set(mesh, solid, winding_volume, slack)) {
     solid.method = "level set";

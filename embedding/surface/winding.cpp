@@ -178,12 +178,24 @@ void visit_inside(const ClosedSurface& surface, const LineGrid& lines,
   });
 }
 
+double num_crossings(const ClosedSurface& surface, const LineGrid& lines) {
+  double area = 0;
+  for (int t = 0; t < int(surface.triangles.rows()); ++t) {
+    const Vector3d a = surface.positions.row(surface.triangles(t, 0)),
+                   b = surface.positions.row(surface.triangles(t, 1)),
+                   c = surface.positions.row(surface.triangles(t, 2));
+    area += 0.5 * std::abs((b - a).cross(c - a)[2]);
+  }
+  return area / lines.spacing.prod();
+}
+
 double inside_volume(const ClosedSurface& surface, int num_lines) {
   const Vector3d low = surface.positions.colwise().minCoeff(), high = surface.positions.colwise().maxCoeff();
   LineGrid lines;
-  lines.size = {num_lines, num_lines};
   lines.spacing = (high - low).head<2>() / num_lines;
   if (!(lines.spacing.minCoeff() > 0)) return 0;
+  for (; num_lines > 1 && num_crossings(surface, lines) > most_crossings; num_lines /= 2) lines.spacing *= 2;
+  lines.size = {num_lines, num_lines};
   lines.origin = low.head<2>() + 0.5 * lines.spacing;
   std::vector<double> length(std::size_t(num_lines), 0.0);  // per plane: summed in a fixed order
   visit_inside(surface, lines, [&](int i, int, double z0, double z1) { length[std::size_t(i)] += z1 - z0; });

@@ -35,7 +35,13 @@ struct LineGrid {
 void visit_inside(const ClosedSurface& surface, const LineGrid& lines,
                   const std::function<void(int, int, double, double)>& visit);
 
-/// [m^3] inside, overlaps counted once; from about num_lines^2 lines.
+/// About how often the lines of an endless grid cross triangles.
+double num_crossings(const ClosedSurface& surface, const LineGrid& lines);
+
+/// More crossings than this take long: thousands of triangles above each other. Fewer lines tell as much then.
+constexpr double most_crossings = 3e7;
+
+/// [m^3] inside, overlaps counted once; from about num_lines^2 lines, fewer where that would be most_crossings.
 double inside_volume(const ClosedSurface& surface, int num_lines = 512);
 
 }  // namespace umax

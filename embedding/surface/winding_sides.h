@@ -1,7 +1,6 @@
 // Winding numbers of a closed surface on both sides of its own triangles.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "core/base/triangle_mesh.h"
@@ -13,34 +12,36 @@ struct WindingSides {
   int behind = 0, front = 0;
 };
 
+/// A point inside a triangle that has an area.
+struct SideQuery {
+  int triangle = 0;
+  Vector3d point{0, 0, 0};  // [m]
+};
+
 class SideFinder {
  public:
   /// The surface has to outlive the finder. Its directed triangles are a closed chain, with one vertex per place.
   SideFinder(const Points& positions, const Triangles& triangles);
 
-  /// At a point inside a triangle that has an area. Other triangles nearer than 1e-7 of the largest extent count as
-  /// lying in the same place: there is nothing between them.
-  WindingSides sides_at(int triangle, const Vector3d& point) const;
+  /// Of each query. Other triangles nearer than 1e-7 of the largest extent count as lying in the same place: there is
+  /// nothing between them. Many queries at once take n log n however long and thin the triangles are.
+  std::vector<WindingSides> sides_at(const std::vector<SideQuery>& queries) const;
 
  private:
-  // the triangles over each cell of a grid across one axis
-  struct Columns {
-    int u = 0, v = 1, axis = 2;
-    Eigen::Vector2d origin{0, 0}, spacing{1, 1};  // [m]
-    int size = 1;                                 // cells along u and along v
-    std::vector<int> starts, triangles;           // of cell c: triangles[starts[c]] ... triangles[starts[c + 1] - 1]
-
-    int cell_along(int side, double coordinate) const;
-  };
-  Columns make_columns(int axis) const;
-  template <class Visit>
-  void for_each_cell(const Columns& columns, int triangle, const Visit& visit) const;
-  long long count_entries(const Columns& columns) const;
+  struct Search;
+  void descend(const Search& search, std::vector<int>::iterator first, std::vector<int>::iterator last,
+               const std::vector<int>& triangles) const;
+  WindingSides sides_at(const SideQuery& query, int axis, const std::vector<int>& triangles) const;
+  void find_copies();
 
   const Points& positions_;
   const Triangles& triangles_;
-  Vector3d low_{0, 0, 0}, extent_{0, 0, 0};  // [m]
-  std::array<Columns, 3> columns_;
+  double extent_ = 0;  // [m] the largest
+  // Triangles with the same corners count as one, the first of them.
+  std::vector<int> first_copy_;  // of each triangle
+  std::vector<int> direction_;   // of each triangle: 1 or, against that of the first copy, -1
+  std::vector<int> times_;       // of first copies: the sum of the copies' directions
+  std::vector<int> counting_;    // first copies whose sum is not 0
 };
 
 }  // namespace umax

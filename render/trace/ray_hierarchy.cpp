@@ -48,16 +48,11 @@ Context make_context(const ShearedRay* sheared, bool coherent) {
 }
 
 #if UMAX_EMBREE_VERSION >= 4
-RTCIntersectArguments intersect_arguments(Context& context, bool coherent) {
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.context = &context.library;
-  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-  return arguments;
-}
-RTCOccludedArguments occluded_arguments(Context& context, bool coherent) {
-  RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
+// RTCIntersectArguments or RTCOccludedArguments, set by the library's own function
+template <class Arguments>
+Arguments make_arguments(void (*set_up)(Arguments*), Context& context, bool coherent) {
+  Arguments arguments;
+  set_up(&arguments);
   arguments.context = &context.library;
   if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   return arguments;
@@ -135,7 +130,7 @@ struct Single {
   void intersect(RTCScene scene) {
     Context context = make_context(&sheared, false);
 #if UMAX_EMBREE_VERSION >= 4
-    RTCIntersectArguments arguments = intersect_arguments(context, false);
+    RTCIntersectArguments arguments = make_arguments(rtcInitIntersectArguments, context, false);
     rtcIntersect1(scene, &query, &arguments);
 #else
     rtcIntersect1(scene, &context.library, &query);
@@ -144,7 +139,7 @@ struct Single {
   void occluded(RTCScene scene) {
     Context context = make_context(&sheared, false);
 #if UMAX_EMBREE_VERSION >= 4
-    RTCOccludedArguments arguments = occluded_arguments(context, false);
+    RTCOccludedArguments arguments = make_arguments(rtcInitOccludedArguments, context, false);
     rtcOccluded1(scene, &query.ray, &arguments);
 #else
     rtcOccluded1(scene, &context.library, &query.ray);
@@ -188,7 +183,7 @@ struct Packet {
   void intersect(RTCScene scene) {
     Context context = make_context(sheared, true);
 #if UMAX_EMBREE_VERSION >= 4
-    RTCIntersectArguments arguments = intersect_arguments(context, true);
+    RTCIntersectArguments arguments = make_arguments(rtcInitIntersectArguments, context, true);
     rtcIntersect8(valid, scene, &query, &arguments);
 #else
     rtcIntersect8(valid, scene, &context.library, &query);
@@ -197,7 +192,7 @@ struct Packet {
   void occluded(RTCScene scene) {
     Context context = make_context(sheared, true);
 #if UMAX_EMBREE_VERSION >= 4
-    RTCOccludedArguments arguments = occluded_arguments(context, true);
+    RTCOccludedArguments arguments = make_arguments(rtcInitOccludedArguments, context, true);
     rtcOccluded8(valid, scene, &query.ray, &arguments);
 #else
     rtcOccluded8(valid, scene, &context.library, &query.ray);

@@ -16,7 +16,7 @@ constexpr int packet_size = RayHierarchy::packet_size;
 
 struct RayScene::Data {
   std::vector<TracedObject> objects;
-  std::vector<std::unique_ptr<const MovingClusters>> clusters;  // of each object; null of those that stand still
+  std::vector<std::unique_ptr<const MovingClusters>> clusters;  // of each object; null of most that stand still
   RayBoxes boxes;
   std::shared_ptr<const RayDevice> device = std::make_shared<const RayDevice>();
   RayHierarchy hierarchy;
@@ -49,8 +49,9 @@ RayScene::RayScene(const RenderScene& scene, HierarchyBuild build, ClusterCache*
   data_->boxes = RayBoxes(data_->objects);
   for (const TracedObject& object : data_->objects)
     data_->clusters.push_back(
-        object.is_moving() ? std::make_unique<const MovingClusters>(object, (cache ? *cache : own).clusters_of(object))
-                           : nullptr);
+        object.is_moving() || is_sliced(object)
+            ? std::make_unique<const MovingClusters>(object, (cache ? *cache : own).clusters_of(object))
+            : nullptr);
   for (unsigned i = 0; i < data_->objects.size(); ++i) {
     data_->add(i, data_->hierarchy);
     data_->alone.push_back(nullptr);

@@ -18,8 +18,8 @@ struct InstantTimes {
     int segment = 0;
     float share = 0;  // of the instant after it
   };
-  /// Of at least two instants.
   Place at(float time) const {
+    if (num_instants == 1) return {};
     const float position = std::clamp((time - first) * segments_per_time, 0.0f, float(num_instants - 1));
     const int segment = std::min(int(position), num_instants - 2);
     return {.segment = segment, .share = position - float(segment)};

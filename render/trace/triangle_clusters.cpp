@@ -30,6 +30,7 @@ class Grower {
       : corners_(triangles),
         fans_(triangles, num_vertices),
         left_(num_vertices),
+        first_left_(fans_.start.begin(), fans_.start.end() - 1),
         is_done_(triangles.size(), 0),
         place_(num_vertices, -1) {
     for (std::size_t i = 0; i < num_vertices; ++i) left_[i] = fans_.start[i + 1] - fans_.start[i];
@@ -53,16 +54,25 @@ class Grower {
  private:
   static constexpr unsigned none = ~0u;
 
+  // Calls visit(t) for the triangles around a vertex that are in no cluster yet: for all, or where they are so many that
+  // looking at all each time would take long, for the first few. Their other corners show which of those lie next.
+  template <class Visit>
+  void for_each_left(unsigned vertex, const Visit& visit) {
+    constexpr unsigned many = 1024, few = 64;
+    unsigned &first = first_left_[vertex], last = fans_.start[vertex + 1];
+    while (first < last && is_done_[fans_.triangles[first]]) ++first;
+    if (last - fans_.start[vertex] > many) last = std::min(last, first + few);
+    for (unsigned k = first; k < last; ++k)
+      if (const unsigned t = fans_.triangles[k]; !is_done_[t]) visit(t);
+  }
+
   // among the neighbours of the last cluster
-  unsigned from_edge() const {
+  unsigned from_edge() {
     unsigned best = none, fewest = none;
-    for (const unsigned vertex : vertices_) {
-      for (unsigned k = fans_.start[vertex]; k < fans_.start[vertex + 1]; ++k) {
-        const unsigned t = fans_.triangles[k];
-        if (is_done_[t] || left_around(t) >= fewest) continue;
-        best = t, fewest = left_around(t);
-      }
-    }
+    for (const unsigned vertex : vertices_)
+      for_each_left(vertex, [&](unsigned t) {
+        if (left_around(t) < fewest) best = t, fewest = left_around(t);
+      });
     return best;
   }
 
@@ -77,18 +87,15 @@ class Grower {
     return int(place_[index[0]] < 0) + int(second && place_[index[1]] < 0) + int(third && place_[index[2]] < 0);
   }
 
-  unsigned best_neighbour() const {
+  unsigned best_neighbour() {
     unsigned best = none, least = none;
-    for (const unsigned vertex : vertices_) {
-      for (unsigned k = fans_.start[vertex]; k < fans_.start[vertex + 1]; ++k) {
-        const unsigned t = fans_.triangles[k];
-        if (is_done_[t]) continue;
+    for (const unsigned vertex : vertices_)
+      for_each_left(vertex, [&](unsigned t) {
         const int added = num_new(t);
-        if (int(vertices_.size()) + added > cluster_size) continue;
+        if (int(vertices_.size()) + added > cluster_size) return;
         const unsigned cost = unsigned(added) * 4096 + std::min(left_around(t), 4095u);
         if (cost < least) best = t, least = cost;
-      }
-    }
+      });
     return best;
   }
 
@@ -121,7 +128,8 @@ class Grower {
 
   const std::vector<Corners>& corners_;
   Fans fans_;
-  std::vector<unsigned> left_;  // triangles around each vertex that are in no cluster yet
+  std::vector<unsigned> left_;        // triangles around each vertex that are in no cluster yet
+  std::vector<unsigned> first_left_;  // of each vertex's fan: none before is left
   std::vector<char> is_done_;
   std::vector<int> place_;  // of each vertex in the cluster that grows, or -1
   std::vector<unsigned> triangles_, vertices_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -70,6 +71,23 @@ inline TriangleMesh blob(unsigned seed, int subdivisions = 4) {
   mesh.positions.col(0) *= number(0.5, 2);
   mesh.positions.col(2) *= number(0.3, 1);
   return moved(mesh, Vector3d(number(-9, 9), number(-9, 9), number(-9, 9)));
+}
+
+/// A closed cone of height and radius 1 on the plane y = 0: two fans of so many triangles.
+inline TriangleMesh cone(int sides) {
+  TriangleMesh mesh;
+  mesh.positions.resize(sides + 2, 3);
+  mesh.triangles.resize(2 * sides, 3);
+  mesh.positions.row(0) << 0, 1, 0;
+  mesh.positions.row(1) << 0, 0, 0;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / sides;
+    mesh.positions.row(2 + i) << std::cos(angle), 0, std::sin(angle);
+    const int here = 2 + i, next = 2 + (i + 1) % sides;
+    mesh.triangles.row(2 * i) << 0, next, here;
+    mesh.triangles.row(2 * i + 1) << 1, here, next;
+  }
+  return mesh;
 }
 
 inline constexpr double unit_sphere_volume = 4.18879020478639;

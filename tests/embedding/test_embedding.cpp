@@ -108,6 +108,18 @@ TEST_CASE("normals are smooth across split vertices and hard across creases") {
   CHECK((box.normals - exact).cwiseAbs().maxCoeff() < 1e-12);
 }
 
+TEST_CASE("where thousands of triangles with vertices of their own meet, normals take as much as the triangles do") {
+  const TriangleMesh joined_cone = cone(20000);
+  TriangleMesh soup;
+  soup.positions = joined_cone.positions(joined_cone.triangles.reshaped<Eigen::RowMajor>(), Eigen::all);
+  soup.triangles.resize(joined_cone.num_triangles(), 3);
+  for (int corner = 0; corner < int(soup.triangles.size()); ++corner) soup.triangles(corner / 3, corner % 3) = corner;
+  const VertexFans fans = make_vertex_fans(soup);
+  CHECK(fans.entries.size() < 10 * std::size_t(soup.triangles.size()));
+  compute_normals(soup);
+  CHECK((soup.normals.row(0) - soup.normals.row(6)).norm() < 1e-2);  // at the tip, of neighbours
+}
+
 TEST_CASE("deformed surfaces have the same bits for any number of threads") {
   const TriangleMesh mesh = make_sphere(1, 6);
   const Lattice lattice = voxelize(mesh, {.size = 100});

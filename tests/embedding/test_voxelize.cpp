@@ -1,3 +1,4 @@
+#include <ctime>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -157,6 +158,25 @@ TEST_CASE("meshes with faults are filled as they look, and the report says so") 
     CHECK(filled_volume(voxelize(soup, {.size = 300}, &report)) == Approx(unit_sphere_volume).epsilon(0.01));
     CHECK(report.method == "level set");
   }
+}
+
+TEST_CASE("thousands of long triangles in one place cost a cage little, and it stays what it is without them") {
+  const TriangleMesh box = make_box({1, 2, 3});
+  const int first = int(box.num_vertices());
+  TriangleMesh copied = box;
+  copied.positions.conservativeResize(first + 3, 3);
+  copied.positions.bottomRows(3) << -0.5, -1, -1.5, -0.5, -0.98, -1.5, -0.5, -1, 1.5;
+  constexpr int num_pairs = 20000;
+  copied.triangles.conservativeResize(box.num_triangles() + 2 * num_pairs, 3);
+  for (int k = 0; k < num_pairs; ++k) {
+    copied.triangles.row(box.num_triangles() + 2 * k) << first, first + 1, first + 2;
+    copied.triangles.row(box.num_triangles() + 2 * k + 1) << first, first + 2, first + 1;
+  }
+  const CageOptions options{.size = 0.5};
+  const std::clock_t start = std::clock();
+  const Lattice cage = voxelize(copied, options);
+  CHECK(double(std::clock() - start) / CLOCKS_PER_SEC < 3);
+  CHECK(cage.cells == voxelize(box, options).cells);
 }
 
 TEST_CASE("cages that cannot be are refused before memory is taken") {

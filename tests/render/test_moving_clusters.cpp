@@ -2,67 +2,19 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
-#include <set>
+#include <numbers>
 
-#include "render/scene/sampling.h"
 #include "render/trace/ray_scene.h"
+#include "tests/render/cluster_meshes.h"
 #include "tests/support/catch.h"
-#include "tests/support/render_shapes.h"
 
 using namespace umax;
 using namespace umax::test;
 
 namespace {
 
-class Numbers {
- public:
-  explicit Numbers(unsigned seed) : random_(seed) {}
-  double operator()() { return double(random_()) / double(std::mt19937::max()) * 2 - 1; }  // -1 .. 1
-  Vector3d vector() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-
- private:
-  std::mt19937 random_;
-};
-
 std::shared_ptr<const TriangleMesh> shared(TriangleMesh mesh) {
   return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
-
-TriangleMesh soup(int count, Numbers& number) {
-  TriangleMesh mesh;
-  mesh.positions.resize(3 * count, 3);
-  mesh.triangles.resize(count, 3);
-  for (int t = 0; t < count; ++t) {
-    const Vector3d middle = 2 * number.vector();
-    for (int c = 0; c < 3; ++c) {
-      mesh.positions.row(3 * t + c) = (middle + number.vector()).transpose();
-      mesh.triangles(t, c) = 3 * t + c;
-    }
-  }
-  return mesh;
-}
-
-// an open sheet in waves
-TriangleMesh sheet(int cells) {
-  TriangleMesh mesh;
-  mesh.positions.resize((cells + 1) * (cells + 1), 3);
-  mesh.triangles.resize(2 * cells * cells, 3);
-  const auto node = [&](int i, int j) { return i * (cells + 1) + j; };
-  for (int i = 0; i <= cells; ++i)
-    for (int j = 0; j <= cells; ++j) {
-      const double x = 4.0 * i / cells - 2, y = 4.0 * j / cells - 2;
-      mesh.positions.row(node(i, j)) << x, y, 0.3 * std::sin(3 * x) * std::cos(2 * y);
-    }
-  for (int i = 0, t = 0; i < cells; ++i)
-    for (int j = 0; j < cells; ++j) {
-      mesh.triangles.row(t++) << node(i, j), node(i + 1, j), node(i + 1, j + 1);
-      mesh.triangles.row(t++) << node(i, j), node(i + 1, j + 1), node(i, j + 1);
-    }
-  return mesh;
 }
 
 // turns, goes along and shakes; positions as single precision has them
@@ -144,56 +96,7 @@ bool is_same(const Hit& a, const Hit& b) {
   return a.object == b.object && a.triangle == b.triangle && a.distance == b.distance && a.u == b.u && a.v == b.v;
 }
 
-TracedObject traced(const TriangleMesh& mesh) {
-  return make_traced_object(render_object(mesh));
-}
-
 }  // namespace
-
-TEST_CASE("every triangle is in one cluster, and clusters are well filled where triangles share vertices") {
-  const TracedObject object = traced(GENERATE(unit_sphere(5), sheet(40)));
-  const TriangleClusters clusters = make_clusters(object.triangles, object.num_vertices);
-  std::vector<int> seen(object.triangles.size(), 0);
-  for (const TriangleCluster& cluster : clusters) {
-    std::set<unsigned> own;
-    for (int i = 0; i < cluster_size; ++i) {
-      own.insert(cluster.triangles[i]);
-      for (int c = 0; c < 3; ++c)
-        CHECK(cluster.vertices[cluster.corners.places[c][i]] == object.triangles[cluster.triangles[i]].index[c]);
-    }
-    for (const unsigned triangle : own) ++seen[triangle];
-  }
-  CHECK(std::all_of(seen.begin(), seen.end(), [](int count) { return count == 1; }));
-  CHECK(double(object.triangles.size()) / double(clusters.size()) > 14);
-}
-
-TEST_CASE("clusters of meshes that fall apart, turn back and have corners twice hold all triangles, too") {
-  TriangleMesh mesh = sheet(3);
-  mesh.triangles.row(2) << 5, 5, 5;
-  mesh.triangles.row(3) << 1, 1, 2;
-  mesh.triangles.row(4) = mesh.triangles.row(5);
-  SECTION("as it is") {}
-  SECTION("no two triangles share a vertex") {
-    Numbers number(3);
-    mesh = soup(50, number);
-  }
-  SECTION("a fan of more triangles than a cluster has room for") {
-    mesh.triangles.resize(100, 3);
-    for (int t = 0; t < 100; ++t) mesh.triangles.row(t) << 0, 1 + t % 10, 2 + t % 10;
-  }
-  SECTION("nothing") {
-    mesh.triangles.resize(0, 3);
-  }
-  const TracedObject object = traced(mesh);
-  std::multiset<unsigned> seen;
-  for (const TriangleCluster& cluster : make_clusters(object.triangles, object.num_vertices)) {
-    const std::set<unsigned> own(cluster.triangles.begin(), cluster.triangles.end());
-    seen.insert(own.begin(), own.end());
-    for (const unsigned vertex : cluster.vertices) CHECK(vertex < object.num_vertices);
-  }
-  CHECK(seen.size() == object.triangles.size());
-  CHECK(std::set<unsigned>(seen.begin(), seen.end()).size() == object.triangles.size());
-}
 
 TEST_CASE("rays meet of what moves what a loop over all triangles at their time meets") {
   const int instants = GENERATE(2, 3, 4, 9);
@@ -360,13 +263,39 @@ TEST_CASE("boxes hold their clusters at all times") {
   }
 }
 
-TEST_CASE("a mesh that is known has its clusters already, another one gets its own") {
-  const TracedObject sphere = traced(unit_sphere(3)), other = traced(sheet(10));
-  TracedObject turned = sphere;
-  std::swap(turned.triangles[0], turned.triangles[1]);
-  ClusterCache cache;
-  const auto first = cache.clusters_of(sphere);
-  CHECK(cache.clusters_of(other) != first);
-  CHECK(cache.clusters_of(turned) != first);
-  CHECK(cache.clusters_of(sphere) == first);
+TEST_CASE("a ray comes through few boxes of long thin triangles, at rest and on their way, and meets the right one") {
+  constexpr int count = 15000, num_rays = 60;
+  const Vector3d way = GENERATE(Vector3d(0, 0, 0), Vector3d(0.3, -0.1, 0.2));
+  RenderScene scene;
+  scene.objects.push_back(render_object(fan(count)));
+  if (!way.isZero()) {
+    TriangleMesh there = fan(count);
+    there.positions.rowwise() += way.transpose();
+    scene.objects[0].motion.instants = {scene.objects[0].mesh, shared(std::move(there))};
+  }
+  const TracedObject object = make_traced_object(scene.objects[0]);
+  REQUIRE(is_sliced(object));
+  const MovingClusters clusters(
+      object, std::make_shared<const TriangleClusters>(make_clusters(object.triangles, object.num_vertices)));
+  const RayScene rays(scene);
+  Numbers number(19);
+  int num_boxes = 0;
+  for (int k = 0; k < num_rays; ++k) {
+    const float time = k % 2 ? 0.999f : 0.0f;
+    const Vector3d place(0.4 * number(), 0.4 * number(), 0), own = place - double(time) * way;
+    const Ray ray{.origin = (place + Vector3d(0, 0, 3)).cast<float>(), .direction = {0, 0, -1}, .time = time};
+    const Hit hit = rays.intersect(ray);
+    REQUIRE(hit.found());
+    CHECK(rays.occluded(ray));
+    CHECK(hit.distance == Approx(3 - double(time) * way[2] - 0.5 * own[0]).epsilon(1e-5));
+    const double angle = std::atan2(own[1], own[0]) / (2 * std::numbers::pi);
+    CHECK(std::remainder(double(hit.triangle) + 0.5 - angle * count, count) == Approx(0).margin(0.6));
+    const std::size_t step = time > 0 ? clusters.num_steps() - 1 : 0;
+    for (std::size_t i = 0; i < clusters.count(); ++i) {
+      const MovingClusters::Box& box = clusters.box(i, step);
+      num_boxes += box.low[0] <= ray.origin[0] && ray.origin[0] <= box.high[0] && box.low[1] <= ray.origin[1] &&
+                   ray.origin[1] <= box.high[1];
+    }
+  }
+  CHECK(num_boxes < 50 * num_rays);  // of whole clusters 150 and more, of triangles 2,000
 }
