@@ -76,7 +76,7 @@ void set_up_matrix(const StepProblem& problem, const Model::BodyRange& body, con
   });
   to_bricks(body, grid.node_slots, positions.data(), grid.positions, [](double& in, double given) { in = given; });
   set_frames(level.op, grid.positions, grid.stiffness, level.matrix);
-  set_up(grid.multigrid);
+  set_up_levels(grid.multigrid);
 }
 
 void set_terms(const Model& model, const std::vector<RankOneTerm>& terms, MultigridSystem& system) {

@@ -98,6 +98,11 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
 }
 
 void set_up(Multigrid& multigrid) {
+  set_up_levels(multigrid);
+  factorize_last(multigrid);
+}
+
+void set_up_levels(Multigrid& multigrid) {
   for (std::size_t depth = 0; depth < multigrid.levels.size(); ++depth) {
     if (depth > 0) coarsen_matrix(multigrid.levels[depth - 1], multigrid.levels[depth]);
     invert_blocks(multigrid.levels[depth]);
@@ -111,6 +116,9 @@ void set_up(Multigrid& multigrid) {
   if (!stiff.nodes.empty() && multigrid.rest.size() == 0) multigrid.rest = AlignedArray<float>(finest.x[0].size());
   if (!stiff.nodes.empty() && stiff.rows.empty() && multigrid.corrected.size() == 0)
     multigrid.corrected = AlignedArray<float>(finest.x[0].size());
+}
+
+void factorize_last(Multigrid& multigrid) {
   if (multigrid.has_dense) multigrid.dense.compute(assemble(multigrid.levels.back(), multigrid.dense_slots));
 }
 

@@ -39,6 +39,11 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
 /// Everything that follows from levels[0].matrix. Values as small as 1 / 1000 of each other are fine.
 void set_up(Multigrid& multigrid);
 
+/// The same in two parts, the second of which may be done beside what needs the first alone: the levels, and the factor of
+/// the last one, if it has one.
+void set_up_levels(Multigrid& multigrid);
+void factorize_last(Multigrid& multigrid);
+
 /// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);
 

@@ -84,8 +84,6 @@ SaddlePointLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridL
 void set_up_last(const Multigrid& multigrid, SaddlePointMultigrid& coupled) {
   const SaddlePointLevel& level = coupled.levels.back();
   const auto count = Eigen::Index(level.terms.vectors.size());
-  coupled.has_dense = multigrid.has_dense && count <= most_dense_terms;
-  if (!coupled.has_dense || count == 0) return;
   const std::vector<int>& slots = multigrid.dense_slots;
   MatrixXd G = MatrixXd::Zero(3 * Eigen::Index(slots.size()), count);
   for (const RankOneTerms::Hex& hex : level.terms.hexes)
@@ -201,7 +199,7 @@ AlignedArray<float>& cycle(Multigrid& multigrid, SaddlePointMultigrid& coupled, 
 
 }  // namespace
 
-void set_up(const Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coupled) {
+void set_up(Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coupled) {
   const MultigridLevel& finest = multigrid.levels.front();
   for (RankOneTerms::Hex& hex : terms.hexes) hex.cell -= finest.lattice().first_cell;
   coupled.levels.clear();
@@ -209,20 +207,30 @@ void set_up(const Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid
   const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
   coupled.levels.front().own = VectorXf::Ones(count);
   coupled.has_dense = false;
-  if (count == 0) return;
+  if (count == 0) return factorize_last(multigrid);
   for (std::size_t depth = 1; depth < multigrid.levels.size(); ++depth) {
     SaddlePointLevel coarse =
         coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
     coupled.levels.push_back(std::move(coarse));
   }
-  set_up_last(multigrid, coupled);
+  coupled.has_dense =
+      multigrid.has_dense && Eigen::Index(coupled.levels.back().terms.vectors.size()) <= most_dense_terms;
+  const auto set_up_dense = [&] {
+    factorize_last(multigrid);
+    if (coupled.has_dense) set_up_last(multigrid, coupled);
+  };
   // of the levels that are smoothed, and of the first one, whose complement tells the weight
   const std::size_t complements = std::max<std::size_t>(1, multigrid.levels.size() - (coupled.has_dense ? 1 : 0));
-  for (std::size_t depth = 0; depth < complements; ++depth) {
-    SaddlePointLevel& level = coupled.levels[depth];
-    const MultigridLevel& grid = multigrid.levels[depth];
-    set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
-  }
+  const auto set_up_complements = [&] {
+    for (std::size_t depth = 0; depth < complements; ++depth) {
+      SaddlePointLevel& level = coupled.levels[depth];
+      const MultigridLevel& grid = multigrid.levels[depth];
+      set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
+    }
+  };
+  parallel_blocks(2, 1, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index part = begin; part < end; ++part) part == 0 ? set_up_complements() : set_up_dense();
+  });
   coupled.weight = weight_of(finest, coupled.levels.front());
   if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
 }

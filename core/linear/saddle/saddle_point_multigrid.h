@@ -37,8 +37,8 @@ struct SaddlePointMultigrid {
   double weight = 1;         // [N/m] what makes squared residuals of terms comparable with those of nodes
 };
 
-/// For the matrix that the multigrid was set up with.
-void set_up(const Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coupled);
+/// For a multigrid whose levels are set up: factors the last one beside what the terms need of the others.
+void set_up(Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coupled);
 
 /// (z, y) ~ (x, y) for the right-hand side (r, q). Returns z, kept until the next call.
 const AlignedArray<float>& precondition(Multigrid& multigrid, SaddlePointMultigrid& coupled,
