@@ -101,7 +101,7 @@ TEST_CASE("what comes into the picture, or out from behind something, has edges 
   CHECK(found.missed < found.changed / 10);
 }
 
-TEST_CASE("where nothing moves, edges are those of the one instant; they are the same for one thread and two") {
+TEST_CASE("where nothing moves, edges are those of the one instant, the same for one thread and two") {
   RenderScene scene = ball_before_floor();
   const auto swept = [&] {
     const RayScene rays(scene);
