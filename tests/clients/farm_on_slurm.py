@@ -24,7 +24,7 @@ shape = "box"
 size = [0.4, 0.4, 0.4]
 position = [0, 0.34, 0]
 rotation = [10, 0, 20]
-cage.cells = [6, 6, 6]
+cage.cells = [9, 9, 9]
 material.young = "20 kPa"
 limit.stretch = "10 %"
 [obstacle.ground]

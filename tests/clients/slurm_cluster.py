@@ -102,7 +102,7 @@ class Cluster:
         while not condition():
             if time.monotonic() > end:
                 raise AssertionError(f"no {what} within {seconds} s\n{self.report()}")
-            time.sleep(0.2)
+            time.sleep(0.05)
 
     def report(self):
         """what the scheduler says, for who looks for a cause"""
@@ -117,7 +117,7 @@ class Cluster:
             self.call("scancel", "--user", pwd.getpwuid(os.getuid()).pw_name)
             end = time.monotonic() + 15
             while self.call("squeue", "--noheader") and time.monotonic() < end:
-                time.sleep(0.2)
+                time.sleep(0.05)
         for daemon in reversed(self.daemons):
             daemon.send_signal(signal.SIGTERM)
         for daemon in reversed(self.daemons):
