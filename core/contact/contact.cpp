@@ -145,8 +145,13 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
           cluster_distance - (position - around.centre).norm() > longest_way(step, obstacle, vertex, position))
         continue;
       double gap = end_distance(step, obstacle, vertex, position).distance;
-      if (gap < deepest.gap - tie) gap += allowance(step, obstacle, vertex).deep;
-      if (gap < deepest.gap - tie) deepest.point.index = point, deepest.gap = gap;
+      // of points that are tied, the one with the lowest index counts, whatever cluster it is in
+      const auto counts = [&] {
+        const bool is_tied = deepest.point.index >= 0 && gap < deepest.gap + tie && point < deepest.point.index;
+        return is_tied || gap < deepest.gap - tie;
+      };
+      if (counts()) gap += allowance(step, obstacle, vertex).deep;
+      if (counts()) deepest.point.index = point, deepest.gap = gap;
     }
   }
   return deepest.point.index >= 0;

@@ -2,6 +2,8 @@
 // 1e-3 of the cell size.
 #include "core/contact/contact.h"
 
+#include <map>
+
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 
@@ -104,6 +106,29 @@ TEST_CASE("a block that falls across a box's edge is held by the edge between it
   CHECK(result.most_contacts >= 1);
   CHECK(centre.y() > 0.1);  // without the edge it would have fallen 1.8 m
   CHECK(result.highest_speed < 3);
+}
+
+TEST_CASE("of a flat face's vertices, which are all as deep, the first of each hex is held, however they are grouped") {
+  Body body = soft_block({-0.15, 0.01, -0.15});
+  constexpr int per_edge = 24;  // 64 vertices a hex, 16 a group
+  body.surface_rest.resize(per_edge * per_edge, 3);
+  for (int p = 0; p < per_edge * per_edge; ++p) {
+    const int place = p * 101 % (per_edge * per_edge);  // here and there
+    body.surface_rest.row(p) << -0.15 + 0.3 * (place / per_edge + 0.5) / per_edge, 0.01,
+        -0.15 + 0.3 * (place % per_edge + 0.5) / per_edge;
+  }
+  body.surface = test::embed_in_box(body.lattice, {3, 3, 3}, body.surface_rest);
+  const Model model = make_model({body}, {test::make_ground(0.5)});
+  std::map<int, int> first;  // of each hex
+  for (int p = 0; p < int(model.num_points()); ++p) first.try_emplace(surface_hex(model, p), p);
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const ContactStep step =
+      begin_contact_step(model, geometry, model.rest_positions, model.rest_positions, 0, 0.01, 9.81);
+  Points down = model.rest_positions;
+  down.col(1).array() -= 0.02;
+  std::vector<Contact> contacts;
+  REQUIRE(add_contacts(step, down, down, 0.5, contacts) == 9);
+  for (const Contact& contact : contacts) CHECK(contact.point.index == first.at(contact.support.hex));
 }
 
 TEST_CASE("a press squeezes a block by as much as it closes") {
