@@ -95,7 +95,7 @@ TEST_CASE("islands of cells that are not connected each fall by themselves, with
   SECTION("one lands on a block, the other falls on") {
     // looser tolerances let both end where they like within them, by as much as is asked here
     const Outcome outcome =
-        same_with_both("[solver]\ntolerance = 1e-5\n" + falling(body + "limit.stretch = \"10 %\"\n") +
+        same_with_both("[solver]\ntolerance = 1e-6\n" + falling(body + "limit.stretch = \"10 %\"\n") +
                            "[obstacle.block]\nshape = \"box\"\nsize = [0.6, 0.4, 0.6]\nposition = [-0.35, 0.6, 0]\n",
                        20);
     CHECK(outcome.contacts > 0);
