@@ -64,7 +64,8 @@ bool undoes(const Vector3d& turn, const Vector3d& before) {
 void move_on(const Model& model, const Points& positions, const Contact& next, Contact& contact) {
   const Vector3d turn = contact.normal.isZero(0) ? Vector3d(0, 0, 0) : Vector3d(next.normal - contact.normal);
   if (!keeps_plane(contact) && undoes(turn, contact.turn)) ++contact.turns_back;
-  contact.turn = turn;
+  const Vector3d last_turn = turn.norm() > least_turn ? turn : contact.turn;  // that counts
+  contact.turn = last_turn;
   if (keeps_plane(contact) && next.gap <= nearly_outside * tolerance_depth(model, next)) {
     keep_at_vertex(model, positions, contact);
     if (next.normal.dot(contact.normal) > same_plane &&
@@ -74,7 +75,7 @@ void move_on(const Model& model, const Points& positions, const Contact& next, C
   }
   const int turns_back = contact.turns_back;
   contact = next;
-  contact.turn = turn;
+  contact.turn = last_turn;
   contact.turns_back = turns_back;
 }
 

@@ -61,3 +61,23 @@ TEST_CASE(
   place_surface_contacts(step, model.rest_positions, near, contacts);
   CHECK(contact.normal != up);
 }
+
+TEST_CASE("a contact whose normal rests for an iteration between its turns to and fro keeps its plane as well") {
+  const double cell = 0.1, tolerance = 1e-3 * cell;
+  const Model model = make_model(
+      {touchable_block("low", {2, 2, 2}, {0, 0, 0}, cell), touchable_block("high", {2, 2, 2}, {0, 0.2, 0}, cell)}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  Points near = model.rest_positions;
+  near.bottomRows(27).col(1).array() -= 0.2 * tolerance;
+  const ContactStep step = begin_contact_step(model, geometry, model.rest_positions, near, 0, 0.01, 9.81);
+  std::vector<Contact> contacts;
+  REQUIRE(add_surface_contacts(step, model.rest_positions, near, 0, contacts) > 0);
+  contacts.resize(1);
+  const Vector3d up = contacts.front().normal;
+  for (int round = 0; round < 5; ++round)
+    for (const double side : {0.03, -0.03}) {
+      contacts.front().normal = (up + Vector3d(side, 0, 0)).normalized();
+      for (int look = 0; look < 2; ++look) place_surface_contacts(step, model.rest_positions, near, contacts);
+    }
+  CHECK(keeps_plane(contacts.front()));
+}
