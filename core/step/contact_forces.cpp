@@ -1,8 +1,12 @@
 #include "core/step/contact_forces.h"
 
 #include <Eigen/LU>
+#include <Eigen/SparseLU>
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 namespace umax {
@@ -13,11 +17,14 @@ constexpr int sweeps_between_means = 3;  // else sets of contacts that push and 
 constexpr double spoiling_growth = 2;    // of what a sweep changes: from there on earlier sweeps tell nothing
 constexpr int sweeps_between = 20;       // tries of Newton's method; after one that failed, twice as many
 constexpr double kept_product = 1e-12, most_weight = 1e4;  // [-] of means of sweeps that are nearly alike
-constexpr double near = 1e-4;                // [-] what is left where sets may be right: Newton's method needs them
-constexpr int few = 50;                      // contacts: of so few a try costs nothing
-constexpr int newton_steps = 8;              // a try
-constexpr std::size_t most_in_newton = 500;  // contacts: its matrix is dense
-constexpr double kept_compliance = 1e-9;     // [-] of a contact's own, that holds forces which change nothing
+constexpr double near = 1e-4;    // [-] what is left where sets may be right: Newton's method needs them
+constexpr int few = 50;          // contacts: of so few a try costs nothing
+constexpr int newton_steps = 8;  // a try
+// Newton's matrix is dense for few contacts, and where most pairs of them push a body in common; else it is sparse.
+constexpr std::size_t most_in_dense = 500, least_in_sparse = 150;  // contacts
+constexpr double most_common_pairs = 0.5;  // [-] of all pairs, for a sparse one, and no more than
+constexpr double most_pairs = 1e6;
+constexpr double kept_compliance = 1e-9;  // [-] of a contact's own, that holds forces which change nothing
 
 // Forces and the motions that they make, at the points of each body.
 struct ContactState {
@@ -194,27 +201,89 @@ Vector3d within_cone(const ContactRow& contact, const Vector3d& force) {
          project_to_disc(force - contact.normal.dot(force) * contact.normal, contact.friction * normal);
 }
 
-// One Newton step on the natural map of all contacts; false where there is none. Forces may leave their cones.
-bool newton_step(const ContactProblem& problem, ContactState& state) {
-  const std::vector<Pushing> pushing = find_pushing(problem, state);
-  if (pushing.empty() || pushing.size() > most_in_newton) return false;
-  const auto size = 3 * Eigen::Index(pushing.size());
-  MatrixXd M(size, size);
-  VectorXd right(size);
-  for (Eigen::Index i = 0; 3 * i < size; ++i) {
+MatrixXd newton_matrix(const ContactProblem& problem, const std::vector<Pushing>& pushing) {
+  const auto count = Eigen::Index(pushing.size());
+  MatrixXd M(3 * count, 3 * count);
+  for (Eigen::Index i = 0; i < count; ++i) {
     const Pushing& to = pushing[std::size_t(i)];
-    right.segment<3>(3 * i) = to.right_side;
-    for (Eigen::Index j = 0; 3 * j < size; ++j) {
+    for (Eigen::Index j = 0; j < count; ++j) {
       const Pushing& from = pushing[std::size_t(j)];
       M.block<3, 3>(3 * i, 3 * j) =
           rows_of(to, to.frame.transpose() * compliance(problem.delassus, to.contact, from.contact) * from.frame);
     }
     add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], M.block<3, 3>(3 * i, 3 * i));
   }
-  const VectorXd change = M.partialPivLu().solve(right);
-  if (!change.allFinite()) return false;
+  return M;
+}
+
+// The same of many bodies: contacts that have none in common do not depend on each other.
+Eigen::SparseMatrix<double> sparse_newton_matrix(const ContactProblem& problem, const std::vector<Pushing>& pushing) {
+  const Delassus& delassus = problem.delassus;
+  struct Place {
+    int number = 0;  // among those that push
+    Delassus::Side side;
+  };
+  std::vector<std::vector<Place>> on_bodies(delassus.bodies.size());
   for (std::size_t i = 0; i < pushing.size(); ++i)
-    state.forces.segment<3>(3 * pushing[i].contact) += pushing[i].frame * change.segment<3>(3 * Eigen::Index(i));
+    for_each_side(delassus, pushing[i].contact,
+                  [&](const Delassus::Side& side) { on_bodies[side.body].push_back({int(i), side}); });
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int i, int j, const Matrix3d& block) {
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row) entries.emplace_back(3 * i + row, 3 * j + column, block(row, column));
+  };
+  for (std::size_t i = 0; i < pushing.size(); ++i) {
+    const Pushing& to = pushing[i];
+    for_each_side(delassus, to.contact, [&](const Delassus::Side& side) {
+      for (const Place& place : on_bodies[side.body]) {
+        const Pushing& from = pushing[std::size_t(place.number)];
+        const auto W = delassus.bodies[side.body].W.block<3, 3>(3 * side.point, 3 * place.side.point);
+        add(int(i), place.number, rows_of(to, side.sign * place.side.sign * (to.frame.transpose() * W * from.frame)));
+      }
+    });
+    Matrix3d own = Matrix3d::Zero();
+    add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], own);
+    add(int(i), int(i), own);
+  }
+  const auto size = 3 * Eigen::Index(pushing.size());
+  Eigen::SparseMatrix<double> M(size, size);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+// pairs of contacts, one after the other, that push a body in common
+double common_pairs(const ContactProblem& problem, const std::vector<Pushing>& pushing) {
+  std::vector<double> on_bodies(problem.delassus.bodies.size(), 0);
+  for (const Pushing& contact : pushing)
+    for_each_side(problem.delassus, contact.contact, [&](const Delassus::Side& side) { ++on_bodies[side.body]; });
+  return std::transform_reduce(on_bodies.begin(), on_bodies.end(), 0.0, std::plus(), [](double n) { return n * n; });
+}
+
+// M^-1 right; none where M is too large, or has no inverse
+std::optional<VectorXd> solve_newton(const ContactProblem& problem, const std::vector<Pushing>& pushing,
+                                     const VectorXd& right) {
+  const double pairs = common_pairs(problem, pushing), all = double(pushing.size()) * double(pushing.size());
+  std::optional<VectorXd> change;
+  if (pushing.size() < least_in_sparse || pairs > most_common_pairs * all) {
+    if (pushing.size() <= most_in_dense) change = newton_matrix(problem, pushing).partialPivLu().solve(right);
+  } else if (pairs <= most_pairs) {
+    const Eigen::SparseLU<Eigen::SparseMatrix<double>> factor(sparse_newton_matrix(problem, pushing));
+    if (factor.info() == Eigen::Success) change = factor.solve(right);
+  }
+  if (change && !change->allFinite()) change.reset();
+  return change;
+}
+
+// One Newton step on the natural map of all contacts; false where there is none. Forces may leave their cones.
+bool newton_step(const ContactProblem& problem, ContactState& state) {
+  const std::vector<Pushing> pushing = find_pushing(problem, state);
+  if (pushing.empty()) return false;
+  VectorXd right(3 * Eigen::Index(pushing.size()));
+  for (std::size_t i = 0; i < pushing.size(); ++i) right.segment<3>(3 * Eigen::Index(i)) = pushing[i].right_side;
+  const std::optional<VectorXd> change = solve_newton(problem, pushing, right);
+  if (!change) return false;
+  for (std::size_t i = 0; i < pushing.size(); ++i)
+    state.forces.segment<3>(3 * pushing[i].contact) += pushing[i].frame * change->segment<3>(3 * Eigen::Index(i));
   state.motions = motions_of(problem, state.forces);
   return true;
 }

@@ -9,23 +9,27 @@ using namespace umax::test;
 
 namespace {
 
-// Contacts of two bodies with each other, as compliances of random points; some nearly alike, as where both surfaces'
-// vertices touch at one place.
+// A row of bodies, each of which has so many contacts with the next, as compliances of random points; some nearly alike, as
+// where both surfaces' vertices touch at one place.
 // softness: of what bodies give way beside their six rigid motions; little makes all forces depend on each other.
-Delassus random_delassus(Random& random, int count, double alikeness, double softness) {
+Delassus random_delassus(Random& random, int bodies, int count, double alikeness, double softness) {
   Delassus delassus;
-  delassus.bodies.resize(2);
-  for (int i = 0; i < count; ++i)
-    for (int body = 0; body < 2; ++body) {
-      delassus.sides.push_back({body, i, body == 0 ? 1.0 : -1.0});
-      delassus.bodies[std::size_t(body)].points.push_back({});
-      if (body == 1) delassus.first_side.push_back(int(delassus.sides.size()));
+  delassus.bodies.resize(std::size_t(bodies));
+  for (int i = 0; i < (bodies - 1) * count; ++i) {
+    for (const int side : {0, 1}) {
+      const int body = i / count + side;
+      std::vector<Support>& points = delassus.bodies[std::size_t(body)].points;
+      delassus.sides.push_back({body, int(points.size()), side == 0 ? 1.0 : -1.0});
+      points.emplace_back();
     }
+    delassus.first_side.push_back(int(delassus.sides.size()));
+  }
   for (BodyDelassus& body : delassus.bodies) {
-    MatrixXd half(6 + 3 * count, 3 * count);
+    const auto points = Eigen::Index(body.points.size());
+    MatrixXd half(6 + 3 * points, 3 * points);
     for (double& value : half.reshaped()) value = random.uniform(-1, 1);
-    half.bottomRows(3 * count) *= softness;
-    for (int i = 1; i < count; i += 3)
+    half.bottomRows(3 * points) *= softness;
+    for (Eigen::Index i = 1; i < points; i += 3)
       half.middleCols<3>(3 * i) =
           alikeness * half.middleCols<3>(3 * i - 3) + (1 - alikeness) * half.middleCols<3>(3 * i);
     body.W = half.transpose() * half;
@@ -39,10 +43,11 @@ struct Sample {
   VectorXd q;
 };
 
-Sample random_sample(int seed, int count, double alikeness, double softness = 1) {
+Sample random_sample(int seed, int count, double alikeness, double softness = 1, int bodies = 2) {
   Random random(seed);
-  Sample sample{random_delassus(random, count, alikeness, softness), {}, VectorXd(3 * count)};
-  for (int i = 0; i < count; ++i) {
+  const int all = (bodies - 1) * count;
+  Sample sample{random_delassus(random, bodies, count, alikeness, softness), {}, VectorXd(3 * all)};
+  for (int i = 0; i < all; ++i) {
     const Vector3d normal = Vector3d(random.uniform(-0.3, 0.3), 1, random.uniform(-0.3, 0.3)).normalized();
     sample.rows.push_back({normal, i % 4 == 0 ? 0.0 : 0.5, 0});
     sample.q.segment<3>(3 * i) = Vector3d(random.uniform(-1, 1), random.uniform(-2, 0), random.uniform(-1, 1));
@@ -90,6 +95,17 @@ TEST_CASE("Newton steps settle in tens of sweeps what sweeps alone do not in tho
   CAPTURE(with_newton.sweeps, alone.sweeps);
   CHECK(with_newton.converged);
   CHECK(alone.sweeps > 5 * with_newton.sweeps);
+  CHECK(violation(sample, forces) < 1e-6);
+}
+
+TEST_CASE("Newton steps settle the contacts of many bodies, too") {
+  const Sample sample = random_sample(3, 5, 0.9, 0.1, 301);
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  const GaussSeidelResult result =
+      solve_contacts(sample.delassus, sample.rows, sample.q, {.max_sweeps = 2000, .tolerance = 1e-10}, forces);
+  CAPTURE(result.sweeps);
+  CHECK(result.converged);
+  CHECK(result.sweeps < 90);  // 61; 123 by sweeps and their means alone
   CHECK(violation(sample, forces) < 1e-6);
 }
 
