@@ -160,6 +160,13 @@ void build_tree(RestSurface& surface) {
   split(surface, centres, 0, 0, int(count), surface.nodes, surface.order);
 }
 
+void line_up_corners(RestSurface& surface) {
+  surface.corners.clear();
+  surface.corners.reserve(surface.order.size());
+  for (const int t : surface.order)
+    surface.corners.push_back({corner_of(surface, t, 0), corner_of(surface, t, 1), corner_of(surface, t, 2)});
+}
+
 void prepare_cache(RestSurface& surface) {
   if (surface.nodes.empty()) return;
   const Eigen::AlignedBox3d& box = surface.nodes[0].box;
@@ -192,6 +199,7 @@ RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles
   weld(vertices, triangles, surface);
   find_normals(surface);
   build_tree(surface);
+  line_up_corners(surface);
   prepare_cache(surface);
   return surface;
 }
@@ -204,6 +212,7 @@ RestSurface moved_surface(const RestSurface& surface, const Points& vertices) {
   moved.order = surface.order;
   find_normals(moved);
   refit_tree(moved);
+  line_up_corners(moved);
   return moved;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -37,6 +38,8 @@ struct RestSurface {
   Points vertex_normals;    // #V x 3
   std::vector<Node> nodes;  // the first is the root; none where there are no triangles
   std::vector<int> order;   // triangles, by leaf
+  std::vector<std::array<Vector3d, 3>>
+      corners;  // [m] of the triangles in `order`: side by side in memory, for searches
   DistanceCache cache;
 };
 

@@ -68,8 +68,8 @@ Nearest find_nearest(const RestSurface& surface, const Vector3d& point, double r
     for (int i = node.first; i < node.first + node.count; ++i) {
       const int t = surface.order[i];
       if (!counts(t)) continue;
-      const TrianglePoint place =
-          nearest_of_triangle(corner_of(surface, t, 0), corner_of(surface, t, 1), corner_of(surface, t, 2), point);
+      const auto& [a, b, c] = surface.corners[std::size_t(i)];
+      const TrianglePoint place = nearest_of_triangle(a, b, c, point);
       const double squared = (point - place.point).squaredNorm();
       if (squared < nearest.squared || (squared == nearest.squared && (nearest.triangle < 0 || t < nearest.triangle)))
         nearest = {t, squared, place};
