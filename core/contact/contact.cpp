@@ -23,10 +23,6 @@ constexpr double kept_share = 0.5;   // of it, that a start's depth may keep: wh
 constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
 constexpr Eigen::Index hexes_per_block = 64;
 
-const Model::BodyRange& body_of_hex(const Model& model, int hex) {
-  return model.bodies[std::size_t(model.hex_body[hex])];
-}
-
 // Vertices of a cluster are far from each other in memory: the processor may fetch them all while it waits for the first.
 void fetch_weights(const Model::BodyRange& body, const VertexClusters& clusters, const VertexCluster& cluster) {
   for (int k = cluster.first; k < cluster.first + cluster.count; ++k)
@@ -122,7 +118,7 @@ bool deepest_vertex(const ContactStep& step, const Matrix8x3d& nodes, const Boun
                     int obstacle, double threshold, ContactCandidate& deepest) {
   const Model& model = *step.model;
   const ContactGeometry& geometry = *step.geometry;
-  const Model::BodyRange& body = body_of_hex(model, hex);
+  const Model::BodyRange& body = body_of(model, hex);
   const ObstacleAt& end = step.obstacles_t1[obstacle];
   const double centre_distance = signed_distance(*end.shape, end.pose.local(sphere.centre)).distance;
   const double way = way_against(step, obstacle, hex, sphere);
@@ -193,7 +189,7 @@ AllowedDepth allowed_depth(double depth, double tolerance, double recovery) {
 }
 
 double tolerance_depth(const Model& model, int hex) {
-  return penetration_tolerance * model.bodies[model.hex_body[hex]].cell_size;
+  return penetration_tolerance * body_of(model, hex).cell_size;
 }
 
 Vector3d embedded_position(const Model& model, const Points& positions, const Support& support) {
@@ -209,9 +205,8 @@ Contact make_contact(const Model& model, const ContactPoint& point, int obstacle
   contact.support.hex = hex;
   contact.support.weights = point.kind == ContactKind::obstacle_edge
                                 ? Vector8d::Constant(0.125)
-                                : Vector8d(surface_weights(body_of_hex(model, hex), point.index));
-  if (obstacle >= 0)
-    contact.friction = std::max(model.bodies[model.hex_body[hex]].friction, model.obstacles[obstacle].friction);
+                                : Vector8d(surface_weights(body_of(model, hex), point.index));
+  if (obstacle >= 0) contact.friction = std::max(body_of(model, hex).friction, model.obstacles[obstacle].friction);
   return contact;
 }
 
@@ -306,7 +301,7 @@ std::vector<int> hexes_near_obstacles(const ContactStep& step, const Points& pos
     if (step.geometry->hex_starts[hex] == step.geometry->hex_starts[hex + 1]) continue;
     if (!touches_obstacles(model, model.hex_body[hex])) continue;
     const BoundingSphere sphere = bounding_sphere(hex_nodes(model, positions, hex));
-    const double reach = sphere.radius + margin * model.bodies[model.hex_body[hex]].cell_size;
+    const double reach = sphere.radius + margin * body_of(model, hex).cell_size;
     for (const ObstacleAt& obstacle : step.obstacles_t1)
       if (signed_distance(*obstacle.shape, obstacle.pose.local(sphere.centre)).distance <= reach) {
         near.push_back(hex);
@@ -326,7 +321,7 @@ double max_penetration(const Model& model, const ContactGeometry& geometry, cons
     for (int hex = int(begin); hex < int(end); ++hex) {
       if (geometry.hex_starts[hex] == geometry.hex_starts[hex + 1]) continue;
       if (!touches_obstacles(model, model.hex_body[hex])) continue;
-      const Model::BodyRange& body = body_of_hex(model, hex);
+      const Model::BodyRange& body = body_of(model, hex);
       const Matrix8x3d nodes = hex_nodes(model, positions, hex);
       const BoundingSphere sphere = bounding_sphere(nodes);
       for (const auto& [pose, shape] : obstacles) {

@@ -25,7 +25,7 @@ struct EdgeHit {
 bool edge_hit(const Model& model, const Points& positions, int hex, const Vector3d& point, double reach, EdgeHit& hit) {
   MaterialPoint material;
   if (!find_material(hex_maps(model, positions, hex), point, reach, material)) return false;
-  const DistanceSample phi = signed_distance(*model.bodies[model.hex_body[hex]].rest_distance, material.rest);
+  const DistanceSample phi = signed_distance(*body_of(model, hex).rest_distance, material.rest);
   const Vector3d pulled = material.F_inverse.transpose() * phi.gradient;
   hit.weights = material.weights;
   hit.gap = phi.distance / pulled.norm();

@@ -252,9 +252,7 @@ Encounters find_encounters_of(const Model& model, const TouchableBodies& touchab
   if (std::all_of(near.begin(), near.end(), [](const std::vector<int>& of) { return of.empty(); })) return encounters;
   visit_meetings(
       model, touchable, near, hex_starts, boxes_of_bodies(model, touchable, near, positions),
-      [&](int hex) {
-        return grown(box_of(model, positions, hex), margin * model.bodies[model.hex_body[hex]].cell_size + of_others);
-      },
+      [&](int hex) { return grown(box_of(model, positions, hex), margin * body_of(model, hex).cell_size + of_others); },
       [&](Eigen::Index block, int hex, int body, std::vector<int> others) {
         of_blocks[block].push_back({hex, body, std::move(others)});
       });

@@ -29,11 +29,6 @@ struct Touch {
 /// [penetration tolerances] of a vertex that counts as outside what it touches.
 inline constexpr double nearly_outside = 10;
 
-/// The body that a hex belongs to.
-inline const Model::BodyRange& body_of(const Model& model, int hex) {
-  return model.bodies[model.hex_body[hex]];
-}
-
 /// What others hit of a body that has a surface.
 inline ScaledSurface surface_of(const Model::BodyRange& body) {
   return {*body.rest_surface, body.rest_scale};

@@ -88,7 +88,7 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   const Matrix8x3d at_centre = shape_gradients(Vector3d::Zero());
   const Matrix3d A = nodes.transpose() * at_centre, H = rest.transpose() * at_centre;  // of local coordinates
   bounds.rest_error = bounds.local_error = bounds.largest_inverse = bounds.bend = infinity;
-  if (model.bodies[model.hex_body[hex]].cells.rows() == 0 || !(std::abs(A.determinant()) > 0)) return bounds;
+  if (body_of(model, hex).cells.rows() == 0 || !(std::abs(A.determinant()) > 0)) return bounds;
   const Matrix3d A_inverse = A.inverse();
   bounds.rest_from_world = H * A_inverse;
   bounds.local_from_world = A_inverse;

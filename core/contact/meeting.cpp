@@ -45,8 +45,7 @@ std::size_t num_vertices(const VertexClusters& clusters, int hex) {
 }
 
 Support vertex_support(const Meeting& meeting, int k) {
-  const Model::BodyRange& body = meeting.model.bodies[std::size_t(meeting.model.hex_body[meeting.hex])];
-  return {meeting.hex, surface_weights(body, meeting.vertices[k])};
+  return {meeting.hex, surface_weights(body_of(meeting.model, meeting.hex), meeting.vertices[k])};
 }
 
 // of the point from the box, squared [m^2]

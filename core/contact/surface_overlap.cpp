@@ -60,7 +60,7 @@ void add_vertex(const Model& model, const Points& positions, int vertex, const H
 
 PartPlace place_of(const ContactStep& step, int hex) {
   const VertexClusters& clusters = step.geometry->clusters;
-  const Model::BodyRange& body = step.model->bodies[std::size_t(step.model->hex_body[hex])];
+  const Model::BodyRange& body = body_of(*step.model, hex);
   const Matrix8x3d nodes = hex_nodes(*step.model, step.positions_t0, hex);
   PartPlace place;
   for (int c = clusters.hex_starts[hex]; c < clusters.hex_starts[hex + 1]; ++c)

@@ -70,8 +70,8 @@ VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_
   parallel_blocks(model.num_hexes(), hexes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index hex = begin; hex < end; ++hex)
       if (hex_starts[hex] < hex_starts[hex + 1])
-        of_hexes[std::size_t(hex)] = cluster_hex(model.bodies[std::size_t(model.hex_body[hex])], clusters.points.data(),
-                                                 hex_starts[hex], hex_starts[hex + 1] - hex_starts[hex]);
+        of_hexes[std::size_t(hex)] = cluster_hex(body_of(model, hex), clusters.points.data(), hex_starts[hex],
+                                                 hex_starts[hex + 1] - hex_starts[hex]);
   });
   for (std::size_t hex = 0; hex < of_hexes.size(); ++hex) {
     std::move(of_hexes[hex].begin(), of_hexes[hex].end(), std::back_inserter(clusters.all));

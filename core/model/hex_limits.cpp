@@ -97,7 +97,7 @@ void append_limits(const Body& body, Eigen::Index first_hex, Model& model) {
 }
 
 double energy_limit_at(const Model& model, Eigen::Index hex, double time, EnergyPart part) {
-  const Model::BodyRange& body = model.bodies[model.hex_body[hex]];
+  const Model::BodyRange& body = body_of(model, hex);
   const EnergyLimitOptions& limit = limit_on(body.limit, body.part_limits, part);
   if (limit.kind == LimitKind::none) return std::numeric_limits<double>::infinity();
   const double value = limit.value.at(time);

@@ -297,7 +297,7 @@ double friction_between(const Model& model, int a, int b) {
 }
 
 double young_at(const Model& model, Eigen::Index hex, double time) {
-  return model.bodies[model.hex_body[hex]].material.young.at(time) * model.young_factor[hex];
+  return body_of(model, hex).material.young.at(time) * model.young_factor[hex];
 }
 
 State rest_state(const Model& model) {

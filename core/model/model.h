@@ -159,6 +159,11 @@ struct Model {
   Eigen::Index num_points() const { return bodies.empty() ? 0 : bodies.back().first_point + bodies.back().num_points; }
 };
 
+/// The body that a hex belongs to.
+inline const Model::BodyRange& body_of(const Model& model, Eigen::Index hex) {
+  return model.bodies[std::size_t(model.hex_body[hex])];
+}
+
 /// Weights of a surface point of the body (a number of the model) on the nodes of its hex.
 inline Eigen::Map<const Vector8d> surface_weights(const Model::BodyRange& body, Eigen::Index point) {
   return Eigen::Map<const Vector8d>(body.surface->weights.data() + 8 * (point - body.first_point));

@@ -37,7 +37,7 @@ double contact_penalty(const StepProblem& problem, const Contact& contact) {
   const Model& model = *problem.model;
   double stiffness = std::numeric_limits<double>::infinity();  // of the softer hex
   for_each_support(contact, [&](const Support& support, double) {
-    const double cell_size = model.bodies[model.hex_body[support.hex]].cell_size;
+    const double cell_size = body_of(model, support.hex).cell_size;
     stiffness = std::min(stiffness, problem.materials.young[support.hex] * cell_size);
   });
   return relative_contact_penalty * (stiffness + contact_mass(model, contact) / (problem.h * problem.h));

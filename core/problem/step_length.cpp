@@ -29,7 +29,7 @@ double squared_distortion(const Model& model, const VectorXd& step, Eigen::Index
   Matrix8x3d moves;
   for (int n = 0; n < 8; ++n) moves.row(n) = step.segment<3>(3 * model.hexes(hex, n)).transpose();
   moves.rowwise() -= moves.colwise().mean().eval();
-  const double size = model.bodies[model.hex_body[hex]].cell_size;
+  const double size = body_of(model, hex).cell_size;
   return moves.rowwise().squaredNorm().maxCoeff() / (size * size);
 }
 

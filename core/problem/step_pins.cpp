@@ -11,7 +11,7 @@ constexpr double exact = 1e6;  // [-] of the stiffness of a hex with its inertia
 double stiffness_of_hex(const Model& model, const VectorXd& young, double time_step, int hex) {
   double mass = 0;
   for (int n = 0; n < 8; ++n) mass += model.node_mass[model.hexes(hex, n)] / 8;
-  return young[hex] * model.bodies[model.hex_body[hex]].cell_size + mass / (time_step * time_step);
+  return young[hex] * body_of(model, hex).cell_size + mass / (time_step * time_step);
 }
 
 void add_pulls(const Model& model, const std::vector<Pull>& pulls, std::vector<PinSpring>& springs) {

@@ -63,8 +63,7 @@ MissedPins missed_pins(const Model& model, const StepOptions& options, const Poi
   MissedPins all;
   for (const PinSpring& spring : pins.springs) {
     if (!spring.is_exact) continue;
-    const double size = model.bodies[std::size_t(model.hex_body[spring.hex])].cell_size,
-                 distance = missed(model, spring, positions).norm() / size;
+    const double size = body_of(model, spring.hex).cell_size, distance = missed(model, spring, positions).norm() / size;
     if (distance <= rounding) continue;
     if (all.hexes.empty() || all.hexes.back() != spring.hex) all.hexes.push_back(spring.hex);
     all.farthest = std::max(all.farthest, distance);

@@ -65,7 +65,8 @@ void set_swept_apart(const std::vector<Hit>& hits, const RenderScene& scene, con
     return !hit.found() || scene.objects[hit.object].motion.instants.size() < 2;
   };
   for (std::size_t i = 0; i < edges.size(); ++i)
-    if (edges[i] == 2 && stands_still(hits[i])) frame.points[i].distance = std::numeric_limits<float>::quiet_NaN();
+    if (edges[i] == swept_edge && stands_still(hits[i]))
+      frame.points[i].distance = std::numeric_limits<float>::quiet_NaN();
 }
 
 bool is_same(const CameraView& a, const CameraView& b) {

@@ -25,7 +25,10 @@ bool differ(const RayScene& rays, const Hit& a, const Hit& b);
 /// what lies behind it; else 0.
 std::vector<char> find_edges(const RayScene& rays, const std::vector<Hit>& hits, int width, int height);
 
-/// The same at the scene's moment, and 2 for pixels that edges sweep over while the shutter is open. hits: at the moment.
+/// Of pixels that edges sweep over.
+inline constexpr char swept_edge = 2;
+
+/// The same at the scene's moment, and swept_edge for pixels that edges sweep over while the shutter is open. hits: at the moment.
 /// The values do not depend on the number of threads.
 std::vector<char> find_swept_edges(const RayScene& rays, const RenderScene& scene, const std::vector<Hit>& hits,
                                    int width, int height);

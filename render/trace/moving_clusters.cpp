@@ -29,12 +29,32 @@ MovingClusters::Box no_box() {
   return {.low = {far, far, far}, .high = {-far, -far, -far}};
 }
 
+int longest_axis(const MovingClusters::Box& box) {
+  int axis = 0;
+  for (int c = 1; c < 3; ++c)
+    if (box.high[c] - box.low[c] > box.high[axis] - box.low[axis]) axis = c;
+  return axis;
+}
+
 void extend(MovingClusters::Box& box, const float low[3], const float high[3]) {
   for (int c = 0; c < 3; ++c) {
     box.low[c] = std::min(box.low[c], low[c]);
     box.high[c] = std::max(box.high[c], high[c]);
   }
 }
+
+// boxes that lie over each other, and one around all of them
+struct Pile {
+  MovingClusters::Box all = no_box();
+  double areas = 0;  // [m^2] half of theirs
+
+  void add(const MovingClusters::Box& box) {
+    extend(all, box.low, box.high);
+    areas += half_area(box);
+  }
+  // does a ray through all of them come through more of them than that, on average?
+  bool is_higher_than(double count) const { return areas > count * half_area(all); }
+};
 
 void copy_positions(const TracedObject::Vertex* vertices, const TriangleCluster& cluster, ClusterPositions& to) {
   for (int j = 0; j < cluster_size; ++j) {
@@ -97,21 +117,18 @@ MovingClusters::MovingClusters(const TracedObject& object, std::shared_ptr<const
 }
 
 void MovingClusters::find_parts() {
-  Box all = no_box();
-  double areas = 0;
+  std::vector<Box> boxes;  // at the first instant
+  Pile pile;
   for (std::size_t i = 0; i < clusters_->size(); ++i) {
-    const Box box = box_around(positions_[i * num_instants()], 0);
-    extend(all, box.low, box.high);
-    areas += half_area(box);
+    boxes.push_back(box_around(positions_[i * num_instants()], 0));
+    pile.add(boxes.back());
   }
-  const bool in_slices = areas > many_clusters * half_area(all);
-  const float size =
-      std::max({all.high[0] - all.low[0], all.high[1] - all.low[1], all.high[2] - all.low[2]}) / parts_along;
-  for (std::size_t i = 0; i < clusters_->size(); ++i) {
-    const Box box = box_around(positions_[i * num_instants()], 0);
-    int axis = 0;
-    for (int c = 1; c < 3; ++c)
-      if (box.high[c] - box.low[c] > box.high[axis] - box.low[axis]) axis = c;
+  const bool in_slices = pile.is_higher_than(many_clusters);
+  const int longest = longest_axis(pile.all);
+  const float size = (pile.all.high[longest] - pile.all.low[longest]) / parts_along;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Box& box = boxes[i];
+    const int axis = longest_axis(box);
     const int num_parts = in_slices ? int(std::ceil((box.high[axis] - box.low[axis]) / size)) : 1;
     if (num_parts <= 1) {
       parts_.push_back({.cluster = unsigned(i)});
@@ -194,18 +211,16 @@ ClusterPositions MovingClusters::positions_at(std::size_t cluster, float time) c
 }
 
 bool is_sliced(const TracedObject& object) {
-  MovingClusters::Box all = no_box();
-  double areas = 0;
+  Pile pile;
   for (const TracedObject::Corners& triangle : object.triangles) {
     MovingClusters::Box box = no_box();
     for (const unsigned vertex : triangle.index) {
       const float* place = object.vertices[vertex].position;
       extend(box, place, place);
     }
-    extend(all, box.low, box.high);
-    areas += half_area(box);
+    pile.add(box);
   }
-  return areas > many_triangles * half_area(all);
+  return pile.is_higher_than(many_triangles);
 }
 
 }  // namespace umax

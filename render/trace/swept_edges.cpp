@@ -131,7 +131,7 @@ class Sweeper {
 
   // from several threads at once, which all write the same
   void mark(int x, int y) {
-    std::atomic_ref<char>(swept_[std::size_t(y) * width_ + x]).store(2, std::memory_order_relaxed);
+    std::atomic_ref<char>(swept_[std::size_t(y) * width_ + x]).store(swept_edge, std::memory_order_relaxed);
   }
 
   const RayScene& rays_;

@@ -175,7 +175,7 @@ TEST_CASE("thousands of long triangles in one place cost a cage little, and it s
   const CageOptions options{.size = 0.5};
   const std::clock_t start = std::clock();
   const Lattice cage = voxelize(copied, options);
-  CHECK(double(std::clock() - start) / CLOCKS_PER_SEC < 3);
+  CHECK(double(std::clock() - start) / CLOCKS_PER_SEC < 3);  // of all threads; each triangle by itself took 19
   CHECK(cage.cells == voxelize(box, options).cells);
 }
 

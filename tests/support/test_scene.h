@@ -69,6 +69,11 @@ inline TriangleMesh make_block(const Vector3d& center, const Vector3d& size) {
   return mesh;
 }
 
+/// A block around the origin that is wide and thin; its large faces look along z.
+inline TriangleMesh slab(double half, double thickness) {
+  return make_block({0, 0, 0}, {2 * half, 2 * half, thickness});
+}
+
 /// Square in the plane y = height, seen from above.
 inline TriangleMesh make_floor(double half_size, double height = 0) {
   TriangleMesh mesh;

@@ -45,8 +45,7 @@ VectorXd multiplier_ratios(const Model& model, const State& state) {
 
 /// The limit [%] of what the map of stretches shows; infinity: none, or it bounds something else.
 double shown_stretch_limit(const Model& model, Eigen::Index hex, double time) {
-  if (model.bodies[model.hex_body[hex]].limit.measure == LimitMeasure::peak)
-    return std::numeric_limits<double>::infinity();
+  if (body_of(model, hex).limit.measure == LimitMeasure::peak) return std::numeric_limits<double>::infinity();
   return percent_stretch(model, hex, time, energy_limit_at(model, hex, time));
 }
 
