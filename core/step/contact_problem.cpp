@@ -1,0 +1,53 @@
+#include "core/step/contact_problem.h"
+
+namespace umax {
+
+std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces) {
+  const Delassus& delassus = problem.delassus;
+  std::vector<VectorXd> on(delassus.bodies.size());
+  for (std::size_t b = 0; b < on.size(); ++b) on[b].setZero(delassus.bodies[b].W.rows());
+  for (int i = 0; i < problem.count(); ++i)
+    for_each_side(delassus, i, [&](const Delassus::Side& side) {
+      on[side.body].segment<3>(3 * side.point) = side.sign * forces.segment<3>(3 * i);
+    });
+  return on;
+}
+
+std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
+  const Delassus& delassus = problem.delassus;
+  std::vector<VectorXd> motions = at_points(problem, forces);
+  for (std::size_t b = 0; b < motions.size(); ++b) motions[b] = delassus.bodies[b].W * motions[b];
+  for (int i = 0; i < problem.count(); ++i) {
+    const Delassus::Side& side = delassus.sides[delassus.first_side[i]];
+    motions[side.body].segment<3>(3 * side.point) += problem.q.segment<3>(3 * i);
+  }
+  return motions;
+}
+
+Vector3d motion_of(const ContactProblem& problem, const ContactState& state, int contact) {
+  Vector3d w = Vector3d::Zero();
+  for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
+    w += side.sign * state.motions[side.body].segment<3>(3 * side.point);
+  });
+  return w;
+}
+
+void count_change(const ContactProblem& problem, int contact, const Vector3d& change, const Vector3d& force,
+                  ForceChanges& changes) {
+  for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
+    changes.add(side.body, change.cwiseAbs().maxCoeff(), force.cwiseAbs().maxCoeff());
+  });
+}
+
+double what_is_left(const ContactProblem& problem, const ContactState& state) {
+  ForceChanges changes(problem.delassus.bodies.size());
+  for (int i = 0; i < problem.count(); ++i) {
+    const Vector3d force = state.forces.segment<3>(3 * i);
+    count_change(problem, i,
+                 relaxed_force(problem.contacts[i], problem.blocks[i], motion_of(problem, state, i), force) - force,
+                 force, changes);
+  }
+  return changes.largest();
+}
+
+}  // namespace umax
