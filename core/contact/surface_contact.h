@@ -33,8 +33,14 @@ std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart
 
 /// Does the contact keep its plane, since its normal has turned to and fro?
 inline bool keeps_plane(const Contact& contact) {
-  constexpr int most_turns_back = 2;
+  constexpr int most_turns_back = 1;
   return contact.turns_back > most_turns_back;
+}
+
+/// Do their planes face each other, as those of the two sides of a thin part? No vertex is outside of both.
+inline bool are_opposed(const Contact& a, const Contact& b) {
+  constexpr double opposed = -0.5;  // [-] cosine of normals: 120 degrees
+  return a.normal.dot(b.normal) < opposed;
 }
 
 /// Is a vertex of one body deeper in another than that, or in its own?
@@ -44,7 +50,8 @@ bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& 
 /// Refreshes place, gap and normal of contacts whose point is a surface's at the positions. One whose vertex has left
 /// the touched body's cage, or is in a hex turned inside out, keeps its place and normal. So does one whose normal turns
 /// to and fro between iterates, as between two faces at an edge, while it is not well outside: staying outside one face's
-/// plane is staying outside of a ridge, and in a groove the other face's joins (add_surface_contacts()).
+/// plane is staying outside of a ridge, and in a groove the other face's joins (add_surface_contacts()). If the vertex is
+/// inside, come in by a side that faces the other way, that side's plane takes its place.
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 

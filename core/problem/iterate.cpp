@@ -68,9 +68,11 @@ double bearable_work(const StepProblem& problem, const Iterate& iterate) {
          hidden_work * integrator_loss(problem, iterate.positions);
 }
 
-// has a vertex that pushes no more gone far from the body that it touched?
+// Has a vertex that pushes no more gone far from the body that it touched? One whose normal has turned back may come again:
+// forgotten, it would turn to and fro for ever.
 bool is_over(const Model& model, const Contact& contact) {
-  return contact.between_bodies() && contact.force.isZero(0) && contact.gap > far_gap * tolerance_depth(model, contact);
+  return contact.between_bodies() && contact.turns_back == 0 && contact.force.isZero(0) &&
+         contact.gap > far_gap * tolerance_depth(model, contact);
 }
 
 // which bodies nothing holds up: no clamp, no obstacle and no other body in the step before

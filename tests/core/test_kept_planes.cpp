@@ -1,8 +1,10 @@
 // Contacts whose normals turn to and fro keep a plane, so that steps around an edge end.
-#include "core/contact/surface_contact.h"
-
+#include <algorithm>
 #include <utility>
+#include <vector>
 
+#include "core/contact/surface_contact.h"
+#include "core/problem/iterate.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/touchable.h"
@@ -84,4 +86,60 @@ TEST_CASE("a contact whose normal rests for an iteration between its turns to an
       for (int look = 0; look < 2; ++look) block.place(block.near);
     }
   CHECK(keeps_plane(contact));
+}
+
+TEST_CASE("a kept plane that faces away from the side by which the vertex is inside gives way to that side's") {
+  SunkBlock block;
+  const Contact found = block.contacts.front();
+  const Vector3d up = found.normal;
+  const auto normal_after = [&](const Vector3d& kept, double gap, double sunk) {
+    block.contacts = {found};
+    Contact& contact = block.contacts.front();
+    contact.normal = kept;
+    contact.gap = gap;
+    contact.turns_back = 3;
+    // as it was placed before it sank
+    contact.position -= sunk * kept.dot(up) * kept;
+    block.place(block.raised(-sunk));
+    return block.contacts.front().normal;
+  };
+  const double deep = 3 * tolerance, little = 0.2 * tolerance;
+  const Vector3d across = Vector3d(0.9, 0.1, 0).normalized();
+  CHECK((normal_after(-up, 0, deep) - up).norm() < 1e-12);
+  CHECK(normal_after(across, 0, deep) == across);          // of a ridge or a groove
+  CHECK(normal_after(-up, 0, little) == -up);              // at the surface, as at the edge of a blade
+  CHECK(normal_after(-up, -10 * tolerance, deep) == -up);  // it is farther behind that one
+}
+
+TEST_CASE("of a vertex in a thin part no planes of both its sides are held at once") {
+  SunkBlock block;
+  const Contact found = block.contacts.front();
+  const auto planes_with = [&](const Vector3d& normal) {
+    std::vector<Contact> contacts = {found};
+    contacts.front().normal = normal;
+    contacts.front().gap = 0;
+    contacts.front().turns_back = 3;
+    add_surface_contacts(block.step, block.model.rest_positions, block.near, 0, contacts);
+    return std::count_if(contacts.begin(), contacts.end(),
+                         [&](const Contact& contact) { return contact.point == found.point; });
+  };
+  CHECK(planes_with(Vector3d(1, 0, 0)) == 2);  // in a groove
+  CHECK(planes_with(-found.normal) == 1);
+}
+
+TEST_CASE("a contact far from the surface is forgotten within a step, unless its normal has turned back") {
+  SunkBlock block;
+  const StepOptions options;
+  const State state = rest_state(block.model);
+  const StepProblem problem =
+      begin_step(block.model, options, plan_linear_solvers(block.model, options.solver), block.geometry, state);
+  Iterate iterate = predict(problem, state);
+  iterate.positions = block.raised(100 * tolerance);
+  for (const int turns_back : {0, 1}) {
+    iterate.contacts = {block.contacts.front()};
+    iterate.contacts.front().gap = 100 * tolerance;
+    iterate.contacts.front().turns_back = turns_back;
+    find_contacts(problem, false, iterate);
+    CHECK(int(iterate.contacts.size()) == turns_back);
+  }
 }
