@@ -41,8 +41,8 @@ struct Contact {
   Vector3d obstacle_motion = Vector3d::Zero();  // [m] of the touched obstacle point during the step
   Vector3d position = Vector3d::Zero();         // [m] world, of the point against what is touched, when gap was taken
   Vector3d force = Vector3d::Zero();            // [N] world, on the body; the other body has it reversed
-  Vector3d turn = Vector3d::Zero();             // [-] of the normal out of a touched body from one iterate to the next,
-  int turns_back = 0;                           // and how often it undid the one before; often: the plane is kept
+  Vector3d turn = Vector3d::Zero();  // [-] the last one of the normal out of a touched body between iterates,
+  int turns_back = 0;                // and how often one undid that before it; often: the plane is kept
 
   bool between_bodies() const { return obstacle < 0; }
 };
