@@ -283,7 +283,8 @@ int add_surface_contacts(const ContactStep& step, const LastApart& apart, const 
       continue;
     if (planes.size() == most_planes) continue;
     // such a plane takes a kept one's place when the vertex is there (place_surface_contacts())
-    if (std::any_of(planes.begin(), planes.end(), [&](const Contact* plane) { return are_opposed(*plane, candidate); }))
+    if (std::any_of(planes.begin(), planes.end(),
+                    [&](const Contact* plane) { return leave_no_room(*plane, candidate); }))
       continue;
     if (!planes.empty()) candidate.turns_back = planes.front()->turns_back;
     contacts.push_back(candidate);

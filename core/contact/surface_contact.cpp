@@ -68,7 +68,7 @@ void move_on(const Model& model, const Points& positions, const Contact& next, C
   const Vector3d last_turn = turn.norm() > least_turn ? turn : contact.turn;  // that counts
   contact.turn = last_turn;
   const double tolerance = tolerance_depth(model, next);
-  const bool came_in_behind = are_opposed(contact, next) && next.gap < std::min(-tolerance, contact.gap);
+  const bool came_in_behind = leave_no_room(contact, next) && next.gap < std::min(-tolerance, contact.gap);
   if (keeps_plane(contact) && next.gap <= nearly_outside * tolerance && !came_in_behind) {
     keep_at_vertex(model, positions, contact);
     if (next.normal.dot(contact.normal) > same_plane && std::abs(next.gap - contact.gap) > kept_share * tolerance)

@@ -37,10 +37,11 @@ inline bool keeps_plane(const Contact& contact) {
   return contact.turns_back > most_turns_back;
 }
 
-/// Do their planes face each other, as those of the two sides of a thin part? No vertex is outside of both.
-inline bool are_opposed(const Contact& a, const Contact& b) {
+/// Do the planes of two contacts of one vertex leave no room outside of both, as the two sides of a thin part? The walls of
+/// a slot do leave some.
+inline bool leave_no_room(const Contact& a, const Contact& b) {
   constexpr double opposed = -0.5;  // [-] cosine of normals: 120 degrees
-  return a.normal.dot(b.normal) < opposed;
+  return a.normal.dot(b.normal) < opposed && a.gap + b.gap < 0;
 }
 
 /// Is a vertex of one body deeper in another than that, or in its own?

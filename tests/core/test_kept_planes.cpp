@@ -88,6 +88,18 @@ TEST_CASE("a contact whose normal rests for an iteration between its turns to an
   CHECK(keeps_plane(contact));
 }
 
+TEST_CASE("a contact keeps its plane from the second time on that its normal turns back") {
+  SunkBlock block;
+  Contact& contact = block.contacts.front();
+  const Vector3d up = contact.normal;
+  for (const double side : {0.03, -0.03, 0.03}) {  // the first turn is no turn back
+    CHECK(!keeps_plane(contact));
+    contact.normal = (up + Vector3d(side, 0, 0)).normalized();
+    block.place(block.near);
+  }
+  CHECK(keeps_plane(contact));
+}
+
 TEST_CASE("a kept plane that faces away from the side by which the vertex is inside gives way to that side's") {
   SunkBlock block;
   const Contact found = block.contacts.front();
@@ -109,22 +121,24 @@ TEST_CASE("a kept plane that faces away from the side by which the vertex is ins
   CHECK(normal_after(across, 0, deep) == across);          // of a ridge or a groove
   CHECK(normal_after(-up, 0, little) == -up);              // at the surface, as at the edge of a blade
   CHECK(normal_after(-up, -10 * tolerance, deep) == -up);  // it is farther behind that one
+  CHECK(normal_after(-up, 10 * tolerance, deep) == -up);   // of the other wall of a slot
 }
 
 TEST_CASE("of a vertex in a thin part no planes of both its sides are held at once") {
   SunkBlock block;
   const Contact found = block.contacts.front();
-  const auto planes_with = [&](const Vector3d& normal) {
+  const auto planes_with = [&](const Vector3d& normal, double gap) {
     std::vector<Contact> contacts = {found};
     contacts.front().normal = normal;
-    contacts.front().gap = 0;
+    contacts.front().gap = gap;
     contacts.front().turns_back = 3;
     add_surface_contacts(block.step, block.model.rest_positions, block.near, 0, contacts);
     return std::count_if(contacts.begin(), contacts.end(),
                          [&](const Contact& contact) { return contact.point == found.point; });
   };
-  CHECK(planes_with(Vector3d(1, 0, 0)) == 2);  // in a groove
-  CHECK(planes_with(-found.normal) == 1);
+  CHECK(planes_with(Vector3d(1, 0, 0), 0) == 2);           // in a groove
+  CHECK(planes_with(-found.normal, 10 * tolerance) == 2);  // in a slot
+  CHECK(planes_with(-found.normal, 0) == 1);
 }
 
 TEST_CASE("a contact far from the surface is forgotten within a step, unless its normal has turned back") {
