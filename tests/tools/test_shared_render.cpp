@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
 #include "tools/run/picture_record.h"
+#include "tools/run/picture_work.h"
+#include "tools/run/run_scene.h"
 #include "tools/system/worker.h"
 
 using namespace umax;
@@ -42,15 +44,17 @@ ProcessResult run_script(const std::string& script, const fs::path& run) {
   return run_process({"bash", "-c", script, UMAX_PROGRAM, run.string()});
 }
 
+/// Says that a frame is drawn; its number follows.
+const std::string frame_drawn = "\"stage\":\"render\",\"frame\":";
+
 /// How often frames were said to be done, by all whose output lies in `folder` as *.log.
 std::map<int, int> frames_done(const fs::path& folder) {
   std::map<int, int> counts;
-  const std::string mark = "\"stage\":\"render\",\"frame\":";
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".log") continue;
     const std::string text = file_text(entry.path());
-    for (std::size_t at = text.find(mark); at != text.npos; at = text.find(mark, at + 1))
-      ++counts[std::atoi(text.c_str() + at + mark.size())];
+    for (std::size_t at = text.find(frame_drawn); at != text.npos; at = text.find(frame_drawn, at + 1))
+      ++counts[std::atoi(text.c_str() + at + frame_drawn.size())];
   }
   return counts;
 }
@@ -80,12 +84,25 @@ std::string wait_for_pictures(int count) {
   return wait_until(fmt::format("[ $(ls \"$1/frames\" 2>/dev/null | grep -c '^[0-9]') -ge {} ]", count));
 }
 
-/// Kills the script's last process in the middle of a frame: while it holds one of which there is no picture yet.
-const std::string kill_in_a_frame =
-    "draws() { for held in \"$1\"/.umax/frame-*; do n=${held##*/frame-}; "
+/// Stops the script's last process in the middle of a frame: while it holds one of which there is no picture yet. It goes
+/// on when the script ends, at the latest.
+const std::string stop_in_a_frame =
+    "trap \"kill -CONT $! 2> /dev/null\" EXIT; draws() { for held in \"$1\"/.umax/frame-*; do n=${held##*/frame-}; "
     "[ -e \"$held\" ] && [ ! -e \"$1/frames/${n:0:4}.png\" ] && return; done; return 1; }; "
     "stop() { kill -STOP $!; sleep 0.05; draws \"$1\" || { kill -CONT $!; return 1; }; }; " +
-    wait_until("stop \"$1\"") + "kill -KILL $!; wait; ";
+    wait_until("stop \"$1\"");
+const std::string kill_in_a_frame = stop_in_a_frame + "kill -KILL $!; wait; ";
+
+/// Waits in a script until so many are at work in the folder.
+std::string wait_for_workers(int count) {
+  return wait_until(fmt::format("[ $(ls \"$1/.umax\" | grep -c '^worker-') = {} ]", count));
+}
+
+/// Lets nobody begin to draw in the folder before a script removes "$1/.umax/door.1".
+void hold_door(const fs::path& run) {
+  fs::create_directory(run / ".umax");
+  make_file(run / ".umax/door.1", worker_text(this_worker("holds the door until all are there")));
+}
 
 /// Whether a process may have another host's name, as root may.
 bool has_other_hosts() {
@@ -106,8 +123,8 @@ TEST_CASE("the setting in which two scenes differ is named") {
 
 /// What the script does with a simulated clip, called with the program and the folder, is what one run does alone, each
 /// frame drawn once.
-void check_drawn_together(const TemporaryFolder& folder, const std::string& script, const Words& more = {}) {
-  const fs::path one = run_alone(folder, more), many = simulate_alone(folder, "many", more);
+void check_drawn_together(const TemporaryFolder& folder, const std::string& script) {
+  const fs::path one = run_alone(folder), many = simulate_alone(folder);
   CHECK(run_script(script, many).exit_code == 0);
   check_each_once(folder.path());
   check_same_pictures(one, many);
@@ -129,11 +146,44 @@ TEST_CASE("several renders at once draw each frame once, and the pictures and cl
 
 TEST_CASE("two renders of parts at once make the clip of all frames") {
   const TemporaryFolder folder;
-  check_drawn_together(folder,
-                       "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & "
-                       "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\"; "
-                       "code=$?; wait $! || code=$?; exit $code",
-                       {"--set", "render.samples=150"});  // so that each is still there when the other one has come
+  const fs::path one = run_alone(folder), many = simulate_alone(folder);
+  hold_door(many);  // else the first may have ended before the second has come
+  const ProcessResult result = run_script(
+      "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & first=$!; "
+      "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\" & " +
+          wait_for_workers(2) + "rm \"$1/.umax/door.1\"; wait $first || exit; wait $!",
+      many);
+  CAPTURE(result.messages);
+  CHECK(result.exit_code == 0);
+  check_each_once(folder.path());
+  check_same_pictures(one, many);
+}
+
+TEST_CASE("who comes last of those who share a clip leaves it as it is") {
+  const TemporaryFolder folder;
+  const fs::path run = run_alone(folder);
+  PictureRecord record = *read_picture_record(run / "pictures.json");
+  record.frames.clear();  // all is drawn and there is no clip yet
+  write_picture_record(run / "pictures.json", record);
+  const std::string clip = file_text(run / "clip.mp4");
+  fs::remove(run / "clip.mp4");
+
+  const Scene scene = scene_of_run(run, {});
+  Progress progress(stderr, ProgressMode::plain, true);
+  const RunFolder last(run, ExistingFolder::keep, FolderUse::shared, draws_for_clip);
+  {
+    const RunFolder first(run, ExistingFolder::keep, FolderUse::shared, draws_for_clip);
+    REQUIRE(finish_clip(first, {9, 10, 11, 12, 13, 14, 15, 16}, scene, progress) == 0);
+  }
+  const bool is_of_all = file_text(run / "clip.mp4") == clip;
+  CHECK(is_of_all);
+  const auto made = fs::last_write_time(run / "clip.mp4");
+  REQUIRE(finish_clip(last, {1, 2, 3, 4, 5, 6, 7, 8}, scene, progress) == 0);
+  CHECK(fs::last_write_time(run / "clip.mp4") == made);
+  CHECK(read_picture_record(run / "pictures.json")->frames.size() == clip_frames);
+  // from now on who draws a part is alone again
+  REQUIRE(finish_clip(last, {1, 2, 3, 4, 5, 6, 7, 8}, scene, progress) == 0);
+  CHECK(read_picture_record(run / "pictures.json")->frames.size() == 8);
 }
 
 TEST_CASE("a render of a part alone makes the clip of that part, and says so") {
@@ -153,14 +203,17 @@ TEST_CASE("a run is helped once it has simulated, and both make what one makes")
   const fs::path one = run_alone(folder, more), many = folder / "many";
   std::string run = "\"$0\" run \"${1%/*}/block.toml\" -o \"$1\" --progress json";
   for (const std::string& word : settings + more) run += " '" + word + "'";
-  const ProcessResult result = run_script(
-      run + " > \"${1%/*}/1.log\" & " + wait_for_pictures(1) +
-          "\"$0\" render \"$1\" --progress json > \"${1%/*}/2.log\"; code=$?; wait $! || code=$?; exit $code",
-      many);
+  const ProcessResult result =
+      run_script(run + " > \"${1%/*}/1.log\" & first=$!; " + wait_for_pictures(1) + stop_in_a_frame +
+                     "\"$0\" render \"$1\" --progress json > \"${1%/*}/2.log\" & " +
+                     wait_until("grep -q '" + frame_drawn + "' \"${1%/*}/2.log\"") +
+                     "kill -CONT $first; wait $first || exit; wait $!",
+                 many);
+  CAPTURE(result.messages);
   CHECK(result.exit_code == 0);
   check_each_once(folder.path());
   check_same_pictures(one, many);
-  CHECK(file_text(folder / "2.log").find("\"stage\":\"render\",\"frame\":") != std::string::npos);
+  CHECK(file_text(folder / "2.log").find(frame_drawn) != std::string::npos);
 }
 
 TEST_CASE("frames of renders that are killed are drawn by the others") {
@@ -196,8 +249,8 @@ TEST_CASE("renders with different settings do not mix: the second is told which 
   const TemporaryFolder folder;
   const fs::path many = simulate_alone(folder);
   const ProcessResult beside =
-      run_script("\"$0\" render \"$1\" --set render.samples=64 > /dev/null & first=$!; " + wait_for_pictures(1) +
-                     "\"$0\" render \"$1\" --samples 3; code=$?; wait $first || exit; exit $code",
+      run_script("\"$0\" render \"$1\" --set render.samples=64 > /dev/null & first=$!; " + stop_in_a_frame +
+                     "\"$0\" render \"$1\" --samples 3; code=$?; kill -CONT $first; wait $first || exit; exit $code",
                  many);
   CAPTURE(beside.messages);
   CHECK(beside.exit_code == 73);
@@ -219,13 +272,11 @@ TEST_CASE("renders with different settings do not mix: the second is told which 
 TEST_CASE("renders that come at once with the same new setting draw together") {
   const TemporaryFolder folder;
   const fs::path many = simulate_alone(folder);
-  fs::create_directory(many / ".umax");
-  make_file(many / ".umax/door.1", worker_text(this_worker("holds the door until both are there")));
+  hold_door(many);
   const std::string render = "\"$0\" render \"$1\" --set render.samples=3 --frames 1-4 > /dev/null & ";
-  const ProcessResult result =
-      run_script(render + "first=$!; " + render + wait_until("[ $(ls \"$1/.umax\" | grep -c '^worker-') = 2 ]") +
-                     "rm \"$1/.umax/door.1\"; wait $first || exit; wait $!",
-                 many);
+  const ProcessResult result = run_script(
+      render + "first=$!; " + render + wait_for_workers(2) + "rm \"$1/.umax/door.1\"; wait $first || exit; wait $!",
+      many);
   CAPTURE(result.messages);
   CHECK(result.exit_code == 0);
   CHECK(pictures_of(many).size() == 4);
@@ -237,9 +288,9 @@ TEST_CASE("a folder in which pictures are drawn is neither simulated nor overwri
   std::string simulate = "\"$0\" simulate \"${1%/*}/block.toml\" --resume -o \"$1\"";
   for (const std::string& word : settings) simulate += " '" + word + "'";
   const ProcessResult result =
-      run_script("\"$0\" render \"$1\" --set render.samples=64 > /dev/null & first=$!; " + wait_for_pictures(1) +
+      run_script("\"$0\" render \"$1\" --set render.samples=64 > /dev/null & first=$!; " + stop_in_a_frame +
                      "\"$0\" render \"$1\" --overwrite; [ $? = 75 ] || exit 1; " + simulate +
-                     "; [ $? = 75 ] || exit 2; wait $first",
+                     "; [ $? = 75 ] || exit 2; kill -CONT $first; wait $first",
                  many);
   CAPTURE(result.messages);
   CHECK(result.exit_code == 0);

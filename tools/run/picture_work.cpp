@@ -217,7 +217,6 @@ bool is_current(const RunFolder& folder, const PictureRecord& record, const std:
 void write_clip_record(const RunFolder& folder, const std::vector<int>& frames, PictureRecord record) {
   record.frames = frames;
   record.next.clear();
-  record.clip_is_shared = false;
   write_picture_record(folder.pictures(), record);
 }
 
@@ -285,8 +284,9 @@ int finish_clip(const RunFolder& folder, const std::vector<int>& frames, const S
     return 0;
   }
   const std::vector<int>& wanted = is_shared ? all : frames;
+  record.clip_is_shared = !others.empty();  // who comes last finds it done
   if (is_current(folder, record, wanted)) {
-    if (record.frames != wanted) write_clip_record(folder, wanted, record);  // who made it has died before this
+    write_clip_record(folder, wanted, record);  // who made it may have died before this
     return 0;
   }
   encode_and_record(folder, wanted, scene, record, progress);
@@ -299,7 +299,9 @@ int make_clip(const RunFolder& folder, const std::vector<int>& frames, const Sce
   const Door door(folder.presence());
   if (!door.is_ours()) return stop_signal();
   tidy(folder);
-  encode_and_record(folder, frames, scene, read_picture_record(folder.pictures()).value_or(PictureRecord{}), progress);
+  PictureRecord record = read_picture_record(folder.pictures()).value_or(PictureRecord{});
+  record.clip_is_shared = false;
+  encode_and_record(folder, frames, scene, record, progress);
   return 0;
 }
 
