@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <vector>
 
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
@@ -33,9 +34,9 @@ fs::path run_alone(const TemporaryFolder& folder, const Words& more = {}) {
   return folder / "one";
 }
 
-fs::path simulate_alone(const TemporaryFolder& folder, const std::string& name = "many", const Words& more = {}) {
-  REQUIRE(exit_code_of(Words{"simulate", shared_scene(folder).string(), "-o", (folder / name).string()} + settings +
-                       more) == 0);
+fs::path simulate_alone(const TemporaryFolder& folder, const std::string& name = "many") {
+  REQUIRE(exit_code_of(Words{"simulate", shared_scene(folder).string(), "-o", (folder / name).string()} + settings) ==
+          0);
   return folder / name;
 }
 
@@ -121,22 +122,27 @@ TEST_CASE("the setting in which two scenes differ is named") {
   CHECK(first_difference(there, there + "[camera]\nfov = 3\n") == "camera.fov is not set there, 3 here");
 }
 
-/// What the script does with a simulated clip, called with the program and the folder, is what one run does alone, each
-/// frame drawn once.
-void check_drawn_together(const TemporaryFolder& folder, const std::string& script) {
+/// What renders with these options make of one simulated clip, begun at the same moment, is what one run makes, each frame
+/// drawn once.
+void check_drawn_together(const TemporaryFolder& folder, const std::vector<std::string>& renders) {
   const fs::path one = run_alone(folder), many = simulate_alone(folder);
-  CHECK(run_script(script, many).exit_code == 0);
+  hold_door(many);  // else the first may have ended before the last has come
+  std::string script;
+  for (std::size_t i = 0; i < renders.size(); ++i)
+    script += fmt::format("\"$0\" render \"$1\" {} --progress json > \"${{1%/*}}/{}.log\" 2>&1 & all=\"$all $!\"; ",
+                          renders[i], i + 1);
+  script += wait_for_workers(int(renders.size())) + "rm \"$1/.umax/door.1\"; ";
+  const ProcessResult result =
+      run_script(script + "code=0; for one in $all; do wait $one || code=$?; done; exit $code", many);
+  CAPTURE(result.messages);
+  CHECK(result.exit_code == 0);
   check_each_once(folder.path());
   check_same_pictures(one, many);
 }
 
 TEST_CASE("several renders at once draw each frame once, and the pictures and clip of one") {
   const TemporaryFolder folder;
-  check_drawn_together(
-      folder,
-      "for i in 1 2 3 4; do \"$0\" render \"$1\" --threads 1 --progress json > \"${1%/*}/$i.log\" 2>&1 & all=\"$all "
-      "$!\"; done; "
-      "code=0; for one in $all; do wait $one || code=$?; done; exit $code");
+  check_drawn_together(folder, std::vector<std::string>(4, "--threads 1"));
   // one of them alone made the clip
   int clips = 0;
   for (int i = 1; i <= 4; ++i)
@@ -146,17 +152,7 @@ TEST_CASE("several renders at once draw each frame once, and the pictures and cl
 
 TEST_CASE("two renders of parts at once make the clip of all frames") {
   const TemporaryFolder folder;
-  const fs::path one = run_alone(folder), many = simulate_alone(folder);
-  hold_door(many);  // else the first may have ended before the second has come
-  const ProcessResult result = run_script(
-      "\"$0\" render \"$1\" --frames 1-8 --progress json > \"${1%/*}/1.log\" & first=$!; "
-      "\"$0\" render \"$1\" --frames 9-16 --progress json > \"${1%/*}/2.log\" & " +
-          wait_for_workers(2) + "rm \"$1/.umax/door.1\"; wait $first || exit; wait $!",
-      many);
-  CAPTURE(result.messages);
-  CHECK(result.exit_code == 0);
-  check_each_once(folder.path());
-  check_same_pictures(one, many);
+  check_drawn_together(folder, {"--frames 1-8", "--frames 9-16"});
 }
 
 TEST_CASE("who comes last of those who share a clip leaves it as it is") {

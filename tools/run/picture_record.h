@@ -15,7 +15,7 @@ struct PictureRecord {
   int clip_frames = 0;           // of the clip that they are pictures of
   std::vector<int> frames = {};  // that clip.mp4 is of; empty: there is none
   std::vector<int> next = {};    // that a clip has been begun of: clip.mp4 is that one if it is newer than this record
-  bool clip_is_shared = false;   // of all who draw: not yet made, or made while others had not asked for it yet
+  bool clip_is_shared = false;   // it is of all frames: others draw some of them, or may still ask for it
 };
 
 void write_picture_record(const std::filesystem::path& path, const PictureRecord& record);

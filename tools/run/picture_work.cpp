@@ -286,7 +286,7 @@ int finish_clip(const RunFolder& folder, const std::vector<int>& frames, const S
   const std::vector<int>& wanted = is_shared ? all : frames;
   record.clip_is_shared = !others.empty();  // who comes last finds it done
   if (is_current(folder, record, wanted)) {
-    write_clip_record(folder, wanted, record);  // who made it may have died before this
+    if (is_shared || record.frames != wanted) write_clip_record(folder, wanted, record);  // who made it may have died
     return 0;
   }
   encode_and_record(folder, wanted, scene, record, progress);
