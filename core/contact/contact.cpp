@@ -233,8 +233,9 @@ ContactStep begin_contact_step(const Model& model, const ContactGeometry& geomet
   for (const Model::BodyRange& body : model.bodies)
     step.recovery.push_back(time_step * recovery_speed(body, gravity, time_t0));
   step.clearances = known ? std::move(known) : std::make_shared<Clearances>();
-  if (geometry.touchable.any())
-    complete(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin, *step.clearances);
+  if (!geometry.touchable.any()) return step;
+  for (const HexTree& tree : geometry.touchable.trees) step.boxes_t0.push_back(boxes_at(tree, model, positions_t0));
+  complete(model, geometry.touchable, geometry.hex_starts, expected, encounter_margin, *step.clearances);
   return step;
 }
 

@@ -109,8 +109,9 @@ struct ContactStep {
   const Model* model = nullptr;
   const ContactGeometry* geometry = nullptr;
   std::vector<ObstacleAt> obstacles_t0, obstacles_t1;
-  std::vector<double> deformations;        // per obstacle [m] that a vertex of it moves by itself in the step, at most
-  Points positions_t0;                     // #N x 3 [m]
+  std::vector<double> deformations;  // per obstacle [m] that a vertex of it moves by itself in the step, at most
+  Points positions_t0;               // #N x 3 [m]
+  std::vector<std::vector<Eigen::AlignedBox3d>> boxes_t0;  // of the nodes of TouchableBodies::trees there
   std::vector<double> recovery;            // per body [m] by which a start in penetration is pushed out in this step
   bool surfaces_touch = true;              // false: obstacles alone are touched
   std::shared_ptr<Clearances> clearances;  // what searches remember; never decides what they find

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/contact/encounters.h"
+
 namespace umax {
 namespace {
 
@@ -76,12 +78,27 @@ bool is_outside(const ScaledSurface& surface, const Vector3d& X, double by) {
   return bounds.low > by || (bounds.high > by && nearest_within(surface, X, bounds).distance > by);
 }
 
-// where the vertex was at the step's start, seen from the material that holds it now
-Vector3d started_at(const Model& model, const Points& start, const HeldVertex& held) {
-  return held.X + body_of(model, held.other.hex).rest_pose.rotation.transpose() * away_at(model, start, held);
+// The vertex as the body that holds it now saw it at the step's start; false where no hex of that held it. The hex that holds
+// it now may have turned or bent since, and not tell.
+bool hold_at_start(const ContactStep& step, const HeldVertex& held, HeldVertex& at_start) {
+  const Model& model = *step.model;
+  const Points& start = step.positions_t0;
+  const Vector3d position = embedded_position(model, start, held.vertex);
+  const auto is_in = [&](int hex) {
+    return hold(model, start, held.vertex, position, hex_maps(model, start, hex), within_hex, at_start);
+  };
+  if (is_in(held.other.hex)) return true;
+  const int body = model.hex_body[held.other.hex];
+  const bool is_own = body == model.hex_body[held.vertex.hex];
+  int first = std::numeric_limits<int>::max();  // of those that did
+  for_each_hex_in(step.geometry->touchable.trees[body], step.boxes_t0[body], Eigen::AlignedBox3d(position),
+                  [&](int hex) {
+                    if (hex < first && !(is_own && share_node(model, held.vertex.hex, hex)) && is_in(hex)) first = hex;
+                  });
+  return first < std::numeric_limits<int>::max() && is_in(first);
 }
 
-// the nearest of the surface from where the vertex started; triangle -1: it certainly started outside
+// the nearest of the surface from where a vertex started; triangle -1: it certainly started outside
 SurfaceHit nearest_at_start(const ScaledSurface& surface, const Vector3d& X_start) {
   const DistanceBounds bounds = distance_bounds(surface, X_start);
   return bounds.low > 0 ? SurfaceHit{} : nearest_within(surface, X_start, bounds);
@@ -90,18 +107,19 @@ SurfaceHit nearest_at_start(const ScaledSurface& surface, const Vector3d& X_star
 // What a vertex meets that started deeper than tolerances explain, and is inside; triangle -1: this one did not, or is
 // out.
 SurfaceHit hit_along(const Model& model, const ScaledSurface& surface, const HeldVertex& held, const Leaving& leaving) {
-  const Vector3d X_start = started_at(model, *leaving.start, held);
-  SurfaceHit hit = nearest_at_start(surface, X_start);
+  HeldVertex at_start;
+  if (!hold_at_start(*leaving.step, held, at_start)) return {};
+  SurfaceHit hit = nearest_at_start(surface, at_start.X);
   const bool was_deep = hit.triangle >= 0 && hit.distance < -tolerance_between(model, held.vertex.hex, held.other.hex);
   if (!was_deep || is_outside(surface, held.X, 0)) return {};
   hit.normal = seen_at_rest(model, held, leaving.way.direction);
-  hit.distance += (held.X - X_start).dot(hit.normal);
+  hit.distance += (held.X - at_start.X).dot(hit.normal);
   return hit;
 }
 
 // is it where others go out? It would be in their way.
 bool may_come_in(const Model& model, const HeldVertex& held, const Leaving& leaving) {
-  return leaving.way.where.contains(embedded_position(model, *leaving.start, held.vertex));
+  return leaving.way.where.contains(embedded_position(model, leaving.step->positions_t0, held.vertex));
 }
 
 // was the vertex, when it was last outside, farther inside than rounding and tolerances explain?
@@ -155,12 +173,13 @@ Touch measure(const Model& model, const HeldVertex& held, const std::optional<Le
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held) {
   const Model& model = *step.model;
   const int hex = held.vertex.hex, other = held.other.hex;
-  const SurfaceHit start =
-      nearest_at_start(surface_of(body_of(model, other)), started_at(model, step.positions_t0, held));
+  HeldVertex at_start;
+  if (!hold_at_start(step, held, at_start)) return {};
+  const SurfaceHit start = nearest_at_start(surface_of(body_of(model, other)), at_start.X);
   if (start.triangle < 0) return {};
   const std::optional<Leaving> leaving = leaving_of(step, hex, other);
-  const Vector3d normal = leaving ? seen_at_rest(model, held, leaving->way.direction) : start.normal;
-  const double depth = -start.distance / pushed_forward(model, held, normal).norm();
+  const Vector3d normal = leaving ? seen_at_rest(model, at_start, leaving->way.direction) : start.normal;
+  const double depth = -start.distance / pushed_forward(model, at_start, normal).norm();
   const double recovery = std::min(step.recovery[model.hex_body[hex]], step.recovery[model.hex_body[other]]);
   return allowed_depth(depth, tolerance_between(model, hex, other), recovery);
 }
@@ -170,7 +189,7 @@ std::optional<Leaving> leaving_of(const ContactStep& step, int hex, int other_he
   if (ways.empty()) return {};
   const auto found = ways.find({step.model->hex_body[hex], step.model->hex_body[other_hex]});
   if (found == ways.end()) return {};
-  return Leaving{found->second, &step.positions_t0};
+  return Leaving{found->second, &step};
 }
 
 }  // namespace umax

@@ -54,14 +54,15 @@ double least_gap(const HeldVertex& held);
 /// Two bodies that start the step deep inside each other.
 struct Leaving {
   WayOut way;
-  const Points* start = nullptr;  // #N x 3 [m]
+  const ContactStep* step = nullptr;
 };
 
 /// leaving: which way vertices that started deep have to go. The gap is then that of a plane across the way, which lies as
 /// far ahead of where the vertex started as it started deep; vertices nearby that started outside may come in.
 Touch measure(const Model& model, const HeldVertex& held, const std::optional<Leaving>& leaving);
 
-/// The depth that the vertex may have at the end of the step, by how deep it was at its start.
+/// The depth that the vertex may have at the end of the step, by how deep in the body it was at its start: in whichever hex
+/// held it then.
 AllowedDepth allowance(const ContactStep& step, const HeldVertex& held);
 
 /// Of vertices of one hex out of the other's body, if the bodies start the step deep inside each other. As long as the step

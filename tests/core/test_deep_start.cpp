@@ -1,6 +1,7 @@
 // Bodies that start inside each other.
 #include <cmath>
 
+#include "core/contact/held_vertex.h"
 #include "core/contact/surface_contact.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
@@ -80,4 +81,33 @@ TEST_CASE("limbs that start across each other's middle leave by one side, gently
   CHECK(find_overlaps(model, state).empty());
   CHECK(steps_inside >= 5);   // at once would be a bang
   CHECK(steps_inside <= 14);  // 5 cm at 0.22 m/s
+}
+
+TEST_CASE("a vertex that started outside may not stay in a body that has turned, which sees it come from within") {
+  const Model model = make_model(
+      {touchable_block("bar", {4, 1, 1}, {0, 0, 0}, 0.1), touchable_block("cube", {1, 1, 1}, {0, 0, 0}, 0.1)}, {});
+  const ContactGeometry geometry = make_contact_geometry(model);
+  const Model::BodyRange &bar = model.bodies[0], &cube = model.bodies[1];
+  const int vertex = cube.first_point, tip = bar.first_hex + 3;
+  const Contact contact = make_surface_contact(model, vertex, surface_hex(model, vertex), tip);
+  const auto with_vertex_at = [&](const Vector3d& place) {
+    Points positions = model.rest_positions;
+    const Vector3d by = place - embedded_position(model, positions, contact.support);
+    positions.middleRows(cube.first_node, cube.num_nodes).rowwise() += by.transpose();
+    return positions;
+  };
+  // 5 cm above the bar's end; then in that end, which a quarter turn about z has taken down
+  const Points start = with_vertex_at({0.395, 0.15, 0.05});
+  Points now = with_vertex_at({0.05, -0.395, 0.05});
+  for (int node = bar.first_node; node < bar.first_node + bar.num_nodes; ++node) {
+    const Eigen::RowVector3d rest = now.row(node);
+    now.row(node) << rest.y(), -rest.x(), rest.z();
+  }
+  const ContactStep step = begin_contact_step(model, geometry, start, now, 0, 0.01, 9.81);
+  HeldVertex held;
+  REQUIRE(hold(model, start, contact.support, embedded_position(model, now, contact.support), hex_maps(model, now, tip),
+               within_hex, held));
+  // as the turned end sees where the vertex came from: in the bar's middle
+  REQUIRE((held.X0 - Vector3d(0.295, 0.05, 0.05)).norm() < 1e-9);
+  CHECK(allowance(step, held).deep == 0);
 }
