@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "core/contact/held_vertex.h"
@@ -80,11 +81,17 @@ void remember_contacts(const StepProblem& problem, const std::vector<Contact>& c
 std::vector<Contact> recall_contacts(const StepProblem& problem, const State& state, const Points& positions) {
   const Model& model = *problem.model;
   std::vector<Contact> contacts;
+  std::map<std::pair<int, int>, std::size_t> of_vertices;  // against bodies: planes that held one are not remembered
   for (const State::ContactImpulse& memory : state.contacts) {
-    contacts.push_back(memory.obstacle < 0
-                           ? make_surface_contact(model, memory.point.index, memory.hex, memory.other_hex)
-                           : make_contact(model, memory.point, memory.obstacle, memory.hex));
-    contacts.back().force = memory.impulse / problem.h;
+    if (memory.obstacle < 0) {
+      const std::pair<int, int> key(memory.point.index, model.hex_body[memory.other_hex]);
+      const auto [known, is_new] = of_vertices.try_emplace(key, contacts.size());
+      if (is_new) contacts.push_back(make_surface_contact(model, memory.point.index, memory.hex, memory.other_hex));
+      contacts[known->second].force += memory.impulse / problem.h;
+    } else {
+      contacts.push_back(make_contact(model, memory.point, memory.obstacle, memory.hex));
+      contacts.back().force = memory.impulse / problem.h;
+    }
   }
   place_surface_contacts(problem.contact, problem.positions_t0, problem.positions_t0, contacts);
   std::erase_if(contacts, [](const Contact& contact) { return contact.normal.isZero(0); });

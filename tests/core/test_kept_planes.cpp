@@ -5,6 +5,7 @@
 
 #include "core/contact/surface_contact.h"
 #include "core/problem/iterate.h"
+#include "core/problem/step_contacts.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/touchable.h"
@@ -156,4 +157,19 @@ TEST_CASE("a contact far from the surface is forgotten within a step, unless its
     find_contacts(problem, false, iterate);
     CHECK(int(iterate.contacts.size()) == turns_back);
   }
+}
+
+TEST_CASE(
+    "the planes that held a vertex in a step are one contact at the start of the next, which leaves room for others") {
+  SunkBlock block;
+  const StepOptions options;
+  State state = rest_state(block.model);
+  const Contact& held = block.contacts.front();
+  for (const double impulse : {1.0, 2.0, 4.0})
+    state.contacts.push_back({held.point, held.obstacle, held.support.hex, held.other.hex, Vector3d(0, impulse, 0)});
+  const StepProblem problem =
+      begin_step(block.model, options, plan_linear_solvers(block.model, options.solver), block.geometry, state);
+  const std::vector<Contact> contacts = recall_contacts(problem, state, block.near);
+  REQUIRE(contacts.size() == 1);
+  CHECK(contacts.front().force == Vector3d(0, 7 / problem.h, 0));
 }
