@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -143,6 +144,26 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     take(step, positions, held, measure(model, held, leaving_of(step, vertex.hex, held.other.hex)), next);
     move_on(model, positions, next, contact);
   }
+}
+
+void merge_planes(const Model& model, std::vector<Contact>& contacts) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> planes;  // of vertices against bodies
+  std::vector<Contact> merged;
+  for (const Contact& contact : contacts) {
+    if (contact.between_bodies()) {
+      std::vector<std::size_t>& known = planes[{contact.point.index, bodies_of(model, contact).second}];
+      const auto same = std::find_if(known.begin(), known.end(), [&](std::size_t plane) {
+        return merged[plane].normal == contact.normal && merged[plane].gap == contact.gap;
+      });
+      if (same != known.end()) {
+        merged[*same].force += contact.force;
+        continue;
+      }
+      known.push_back(merged.size());
+    }
+    merged.push_back(contact);
+  }
+  contacts = std::move(merged);
 }
 
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact) {

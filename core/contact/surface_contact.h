@@ -56,6 +56,10 @@ bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& 
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 
+/// Planes of a vertex against a body that have become one: they are one contact, with the sum of their forces, and leave room
+/// for another plane.
+void merge_planes(const Model& model, std::vector<Contact>& contacts);
+
 /// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap
 /// and normal stay.
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact);

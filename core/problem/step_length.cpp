@@ -58,10 +58,13 @@ void pull_together(const Model& model, const VectorXd& step, int hex, double sha
   }
 }
 
-// Has the residual hardly fallen in the last iterations? The first ones, which look for contacts, do not count.
+// Has the residual hardly fallen in the last iterations? The first ones, which look for contacts, do not count. The least
+// ones tell, before and since: an iteration that goes in a circle has good ones in between.
 bool hardly_falls(const std::vector<double>& residuals, std::size_t iterations) {
   if (residuals.size() <= iterations + patience) return false;
-  return residuals.back() > slow_fall * residuals[residuals.size() - 1 - iterations];
+  const auto last = residuals.end() - std::ptrdiff_t(iterations);
+  return *std::min_element(last, residuals.end()) >
+         slow_fall * *std::min_element(residuals.begin() + std::ptrdiff_t(patience), last);
 }
 
 // a body's part of a step

@@ -173,3 +173,17 @@ TEST_CASE(
   REQUIRE(contacts.size() == 1);
   CHECK(contacts.front().force == Vector3d(0, 7 / problem.h, 0));
 }
+
+TEST_CASE("planes of a vertex that have become one are one contact, with the sum of their forces") {
+  SunkBlock block;
+  Contact up = block.contacts.front(), beside = up, lower = up;
+  up.force = Vector3d(0, 1, 0);
+  beside.normal = Vector3d(1, 0, 0);
+  lower.gap -= tolerance;
+  std::vector<Contact> contacts = {up, beside, up, lower};
+  merge_planes(block.model, contacts);
+  REQUIRE(contacts.size() == 3);
+  CHECK(contacts[0].force == Vector3d(0, 2, 0));
+  CHECK(contacts[1].normal == beside.normal);
+  CHECK(contacts[2].gap == lower.gap);
+}

@@ -158,6 +158,13 @@ TEST_CASE("an iteration goes to and fro where it undoes its last step and its re
   CHECK_FALSE(goes_to_and_fro(stuck, back, {}));
   CHECK_FALSE(goes_to_and_fro(falling, back, {before}));
   CHECK_FALSE(goes_to_and_fro(young, back, {before}));
+  // in a circle of three iterates, whatever part of it the last one is
+  std::vector<double> circle(4, 1.0);
+  for (int round = 0; round < 3; ++round) circle.insert(circle.end(), {0.26, 0.12, 0.05});
+  for (int part = 0; part < 3; ++part) {
+    CHECK(goes_to_and_fro(circle, back, {before}));
+    circle.push_back(circle[circle.size() - 3]);
+  }
 }
 
 TEST_CASE("half steps are taken where large ones have not got on for long, whole ones elsewhere") {
