@@ -20,7 +20,6 @@ namespace {
 constexpr double penetration_tolerance = 1e-3;
 constexpr double came_outside = 10;  // times that: the depth at a step's start of a vertex that counts as outside
 constexpr double kept_share = 0.5;   // of it, that a start's depth may keep: what a solution may add fits in the rest
-constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
 constexpr Eigen::Index hexes_per_block = 64;
 
 // Vertices of a cluster are far from each other in memory: the processor may fetch them all while it waits for the first.

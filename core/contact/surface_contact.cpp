@@ -146,24 +146,33 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
   }
 }
 
-void merge_planes(const Model& model, std::vector<Contact>& contacts) {
-  std::map<std::pair<int, int>, std::vector<std::size_t>> planes;  // of vertices against bodies
-  std::vector<Contact> merged;
-  for (const Contact& contact : contacts) {
-    if (contact.between_bodies()) {
-      std::vector<std::size_t>& known = planes[{contact.point.index, bodies_of(model, contact).second}];
-      const auto same = std::find_if(known.begin(), known.end(), [&](std::size_t plane) {
-        return merged[plane].normal == contact.normal && merged[plane].gap == contact.gap;
+void make_room_for_planes(const Model& model, std::vector<Contact>& contacts) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> of_vertices;  // against bodies
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (contacts[i].between_bodies())
+      of_vertices[{contacts[i].point.index, bodies_of(model, contacts[i]).second}].push_back(i);
+  std::vector<char> goes(contacts.size(), 0);
+  for (const auto& [vertex, planes] : of_vertices) {
+    std::size_t stay = planes.size();
+    for (auto plane = planes.begin(); plane != planes.end(); ++plane) {
+      const auto same = std::find_if(planes.begin(), plane, [&](std::size_t known) {
+        return contacts[known].normal == contacts[*plane].normal && contacts[known].gap == contacts[*plane].gap;
       });
-      if (same != known.end()) {
-        merged[*same].force += contact.force;
-        continue;
-      }
-      known.push_back(merged.size());
+      if (same == plane) continue;
+      contacts[*same].force += contacts[*plane].force;
+      goes[*plane] = 1;
+      --stay;
     }
-    merged.push_back(contact);
+    if (stay < most_planes) continue;
+    const std::size_t farthest = *std::max_element(
+        planes.begin(), planes.end(), [&](std::size_t a, std::size_t b) { return contacts[a].gap < contacts[b].gap; });
+    if (contacts[farthest].force.isZero(0) && contacts[farthest].gap > tolerance_depth(model, contacts[farthest]))
+      goes[farthest] = 1;
   }
-  contacts = std::move(merged);
+  std::size_t count = 0;  // that stay
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (!goes[i]) contacts[count++] = contacts[i];
+  contacts.resize(count);
 }
 
 void keep_at_vertex(const Model& model, const Points& positions, Contact& contact) {

@@ -56,9 +56,12 @@ bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& 
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 
-/// Planes of a vertex against a body that have become one: they are one contact, with the sum of their forces, and leave room
-/// for another plane.
-void merge_planes(const Model& model, std::vector<Contact>& contacts);
+inline constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
+
+/// Planes of a vertex against a body that have become one are one contact, with the sum of their forces. Where a vertex still
+/// has as many planes as it may, the farthest one goes, if it does not push and is out of reach of the tolerance: another that
+/// holds the vertex may take its place.
+void make_room_for_planes(const Model& model, std::vector<Contact>& contacts);
 
 /// Moves the touched place in the material to where the vertex is now, so that the two bodies' forces have no torque; gap
 /// and normal stay.

@@ -167,7 +167,7 @@ int find_contacts(const StepProblem& problem, bool keeps_normals, Iterate& itera
   } else {
     update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
   }
-  merge_planes(*problem.model, iterate.contacts);
+  make_room_for_planes(*problem.model, iterate.contacts);
   const int added =
       add_contacts(problem.contact, iterate.apart, iterate.positions, problem.joining_share, iterate.contacts);
   if (problem.contact.geometry->touchable.any())

@@ -174,16 +174,24 @@ TEST_CASE(
   CHECK(contacts.front().force == Vector3d(0, 7 / problem.h, 0));
 }
 
-TEST_CASE("planes of a vertex that have become one are one contact, with the sum of their forces") {
+TEST_CASE(
+    "planes of a vertex that have become one are one contact, and the farthest of three leaves room if it is idle") {
   SunkBlock block;
   Contact up = block.contacts.front(), beside = up, lower = up;
   up.force = Vector3d(0, 1, 0);
   beside.normal = Vector3d(1, 0, 0);
-  lower.gap -= tolerance;
+  lower.gap -= 0.1 * tolerance;
   std::vector<Contact> contacts = {up, beside, up, lower};
-  merge_planes(block.model, contacts);
+  make_room_for_planes(block.model, contacts);
   REQUIRE(contacts.size() == 3);
   CHECK(contacts[0].force == Vector3d(0, 2, 0));
   CHECK(contacts[1].normal == beside.normal);
   CHECK(contacts[2].gap == lower.gap);
+  for (const double force : {1.0, 0.0}) {
+    contacts[1].gap = 2 * tolerance;
+    contacts[1].force = Vector3d(force, 0, 0);
+    make_room_for_planes(block.model, contacts);
+    CHECK(contacts.size() == (force > 0 ? 3 : 2));
+  }
+  CHECK(contacts[1].gap == lower.gap);
 }
