@@ -84,18 +84,10 @@ bool hold_at_start(const ContactStep& step, const HeldVertex& held, HeldVertex& 
   const Model& model = *step.model;
   const Points& start = step.positions_t0;
   const Vector3d position = embedded_position(model, start, held.vertex);
-  const auto is_in = [&](int hex) {
-    return hold(model, start, held.vertex, position, hex_maps(model, start, hex), within_hex, at_start);
-  };
-  if (is_in(held.other.hex)) return true;
-  const int body = model.hex_body[held.other.hex];
-  const bool is_own = body == model.hex_body[held.vertex.hex];
-  int first = std::numeric_limits<int>::max();  // of those that did
-  for_each_hex_in(step.geometry->touchable.trees[body], step.boxes_t0[body], Eigen::AlignedBox3d(position),
-                  [&](int hex) {
-                    if (hex < first && !(is_own && share_node(model, held.vertex.hex, hex)) && is_in(hex)) first = hex;
-                  });
-  return first < std::numeric_limits<int>::max() && is_in(first);
+  const int hex = held.vertex.hex, other = held.other.hex;
+  return hold(model, start, held.vertex, position, hex_maps(model, start, other), within_hex, at_start) ||
+         hold_any(model, start, start, held.vertex, position,
+                  hexes_at(step, step.boxes_t0, hex, model.hex_body[other], position), at_start);
 }
 
 // the nearest of the surface from where a vertex started; triangle -1: it certainly started outside
@@ -144,6 +136,24 @@ bool hold(const Model& model, const Points& apart, const Support& vertex, const 
   held.bounds = distance_bounds(surface_of(body), held.X);
   held.moved = (held.X - held.X0).norm();
   return true;
+}
+
+bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
+              const Vector3d& position, const std::vector<int>& hexes, HeldVertex& held) {
+  return std::any_of(hexes.begin(), hexes.end(), [&](int other) {
+    return hold(model, apart, vertex, position, hex_maps(model, positions, other), within_hex, held);
+  });
+}
+
+std::vector<int> hexes_at(const ContactStep& step, const std::vector<std::vector<Eigen::AlignedBox3d>>& boxes, int hex,
+                          int body, const Vector3d& position) {
+  const Model& model = *step.model;
+  std::vector<int> found;
+  for_each_hex_in(step.geometry->touchable.trees[body], boxes[body], Eigen::AlignedBox3d(position), [&](int other) {
+    if (body != model.hex_body[hex] || !share_node(model, hex, other)) found.push_back(other);
+  });
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 bool is_clear(const ScaledSurface& surface, const HeldVertex& held) {

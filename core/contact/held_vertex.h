@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "core/contact/contact.h"
 #include "core/contact/material_point.h"
@@ -43,6 +44,14 @@ inline double tolerance_between(const Model& model, int hex, int other_hex) {
 /// as in find_material(). position: [m] of the vertex, at which the hex has these maps.
 bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
           const HexMaps& other, double reach, HeldVertex& held);
+
+/// The same by the first of the hexes, at the positions (#N x 3 [m]), that holds it.
+bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
+              const Vector3d& position, const std::vector<int>& hexes, HeldVertex& held);
+
+/// Hexes of a body that may hold a vertex of the hex at the position, ascending. boxes: of the trees' nodes (boxes_at()).
+std::vector<int> hexes_at(const ContactStep& step, const std::vector<std::vector<Eigen::AlignedBox3d>>& boxes, int hex,
+                          int body, const Vector3d& position);
 
 /// Is the vertex outside, and nowhere on its way from X0 near enough to the surface to have come through it?
 bool is_clear(const ScaledSurface& surface, const HeldVertex& held);

@@ -19,14 +19,6 @@ constexpr double same_plane = 0.99;  // [-] cosine between normals
 constexpr double least_turn = 1e-3;  // [-] of a normal between iterates, that counts
 constexpr double kept_share = 0.5;   // [penetration tolerances] that a kept plane may be off the surface
 
-// the first of the hexes that holds the vertex
-bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,
-              const Vector3d& position, const std::vector<int>& hexes, HeldVertex& held) {
-  return std::any_of(hexes.begin(), hexes.end(), [&](int other) {
-    return hold(model, apart, vertex, position, hex_maps(model, positions, other), within_hex, held);
-  });
-}
-
 void take(const ContactStep& step, const Points& positions, const HeldVertex& held, const Touch& touch,
           Contact& contact) {
   const AllowedDepth allowed = allowance(step, held);
@@ -82,18 +74,6 @@ void move_on(const Model& model, const Points& positions, const Contact& next, C
   contact.turns_back = turns_back;
 }
 
-// hexes of a body that may hold a vertex of the hex, ascending
-std::vector<int> hexes_at(const ContactStep& step, const std::vector<Eigen::AlignedBox3d>& boxes, int hex, int body,
-                          const Vector3d& position) {
-  const Model& model = *step.model;
-  std::vector<int> found;
-  for_each_hex_in(step.geometry->touchable.trees[body], boxes, Eigen::AlignedBox3d(position), [&](int other) {
-    if (body != model.hex_body[hex] || !share_node(model, hex, other)) found.push_back(other);
-  });
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 }  // namespace
 
 std::vector<Contact> surface_candidates(const ContactStep& step, const LastApart& apart, const Points& positions,
@@ -134,8 +114,8 @@ void place_surface_contacts(const ContactStep& step, const LastApart& apart, con
     if (!found) {
       if (boxes.empty())
         for (const HexTree& tree : step.geometry->touchable.trees) boxes.push_back(boxes_at(tree, model, positions));
-      found = hold_any(model, before, positions, vertex, position,
-                       hexes_at(step, boxes[body], vertex.hex, body, position), held) ||
+      found = hold_any(model, before, positions, vertex, position, hexes_at(step, boxes, vertex.hex, body, position),
+                       held) ||
               hold(model, before, vertex, position, last, around_hex, held);
     }
     Contact next = contact;
