@@ -22,12 +22,6 @@ constexpr double came_outside = 10;  // times that: the depth at a step's start 
 constexpr double kept_share = 0.5;   // of it, that a start's depth may keep: what a solution may add fits in the rest
 constexpr Eigen::Index hexes_per_block = 64;
 
-// Vertices of a cluster are far from each other in memory: the processor may fetch them all while it waits for the first.
-void fetch_weights(const Model::BodyRange& body, const VertexClusters& clusters, const VertexCluster& cluster) {
-  for (int k = cluster.first; k < cluster.first + cluster.count; ++k)
-    __builtin_prefetch(surface_weights(body, clusters.points[k]).data());
-}
-
 AllowedDepth allowance(const ContactStep& step, int obstacle, const Support& support) {
   const Vector3d before = embedded_position(*step.model, step.positions_t0, support);
   const ObstacleAt& start = step.obstacles_t0[obstacle];

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace umax {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;  // [-] of distances
-constexpr int worth_a_look = 4;    // vertices of a cluster: fewer are looked at one by one
 
 // a box around how the nodes of the hex move between two sets of positions [m]
 Eigen::AlignedBox3d moves_of(const Model& model, const Points& from, const Points& to, int hex) {
@@ -61,12 +61,14 @@ double clear_of(const Meeting& meeting, const OtherHex& other, const Vector3d& p
   return distance > other.largest_move ? distance : 0;
 }
 
-// The same of those of the hexes in which they do not. Calls may_touch(other) for all others, of which its box tells most.
+// The same of those of the hexes (their numbers) in which they do not. Calls may_touch(number) for those where they may, of
+// which its box tells most.
 template <class MayTouch>
-double clear_of_all(const Meeting& meeting, const std::vector<OtherHex>& others, const Vector3d& position,
-                    double radius, const MayTouch& may_touch) {
+double clear_of_all(const Meeting& meeting, const std::vector<int>& numbers, const Vector3d& position, double radius,
+                    const MayTouch& may_touch) {
   double least = infinity, least_squared = infinity;
-  for (const OtherHex& other : others) {
+  for (const int number : numbers) {
+    const OtherHex& other = meeting.others[std::size_t(number)];
     const double squared = squared_distance(other.box, position);
     if (squared > radius * radius) {
       least_squared = std::min(least_squared, squared);
@@ -76,7 +78,7 @@ double clear_of_all(const Meeting& meeting, const std::vector<OtherHex>& others,
     if (clear > 0)
       least = std::min(least, clear);
     else
-      may_touch(other);
+      may_touch(number);
   }
   return std::min(least, std::sqrt(least_squared) - radius);
 }
@@ -97,68 +99,81 @@ void for_each_cluster(const Meeting& meeting, const Visit& visit) {
   }
 }
 
-// how many vertices of the cluster may touch by what is known
-int num_near(const Meeting& meeting, const VertexCluster& cluster, int first) {
-  const auto begin = meeting.clearance.until.begin() + first;
-  return int(
-      std::count_if(begin, begin + cluster.count, [&](double value) { return !(value > meeting.clearance.way); }));
+// by what is known
+bool is_near(const Meeting& meeting, int k) {
+  return !(meeting.clearance.until[std::size_t(k)] > meeting.clearance.way);
 }
 
-// What bounds tell of the vertices of a cluster, the first of which is `first`, against these hexes: of all together, and
-// where these are near, of each. Calls tell(until, on which way the vertex may touch at the earliest).
-template <class Tell>
-void look_at_cluster(const Meeting& meeting, const std::vector<OtherHex>& others, const VertexCluster& cluster,
-                     int first, const Tell& tell) {
+// Looks at the vertices of a cluster, the first of which is `first`, for which wanted(k): at all together against these
+// hexes, and where some are near, at each against those. Calls tell(vertex) of each.
+template <class Wanted, class Tell>
+void look_at_cluster(Meeting& meeting, const std::vector<int>& others, const VertexCluster& cluster, int first,
+                     const Wanted& wanted, const Tell& tell) {
+  bool is_any_wanted = false;
+  for (int k = first; k < first + cluster.count; ++k) is_any_wanted = is_any_wanted || wanted(k);
+  if (!is_any_wanted) return;
   const ClusterSphere sphere = sphere_around(cluster, meeting.nodes, meeting.half_edges);
-  std::vector<OtherHex> near;
-  const double least = clear_of_all(meeting, others, sphere.centre, sphere.radius,
-                                    [&](const OtherHex& other) { near.push_back(other); });
+  std::vector<int>& near = meeting.near_cluster;
+  near.clear();
+  const double least =
+      clear_of_all(meeting, others, sphere.centre, sphere.radius, [&](int number) { near.push_back(number); });
+  if (!near.empty()) fetch_weights(body_of(meeting.model, meeting.hex), meeting.clusters, cluster);
   for (int k = first; k < first + cluster.count; ++k) {
-    double of_vertex = least;
+    if (!wanted(k)) continue;
+    NearVertex vertex;
+    vertex.k = k;
+    vertex.clear = least;
+    vertex.first_other = vertex.end_other = int(meeting.near_others.size());
     if (!near.empty()) {
-      const Vector3d position = meeting.nodes.transpose() * vertex_support(meeting, k).weights;
-      bool may_touch = false;
-      const double clear = clear_of_all(meeting, near, position, 0, [&](const OtherHex&) { may_touch = true; });
-      of_vertex = may_touch ? 0 : std::min(least, clear);
+      vertex.position = meeting.nodes.transpose() * vertex_support(meeting, k).weights;
+      const double clear =
+          clear_of_all(meeting, near, vertex.position, 0, [&](int number) { meeting.near_others.push_back(number); });
+      vertex.clear = std::min(least, clear);
+      vertex.end_other = int(meeting.near_others.size());
     }
-    tell(meeting.clearance.until[std::size_t(k)], clear_until(meeting, of_vertex));
+    tell(vertex);
   }
-}
-
-// The same of those clusters of the hex of which at least so many vertices may touch by what is known.
-void look_at_clusters(const Meeting& meeting, int least_near) {
-  for_each_cluster(meeting, [&](const VertexCluster& cluster, int first) {
-    if (num_near(meeting, cluster, first) >= least_near)
-      look_at_cluster(meeting, meeting.others, cluster, first,
-                      [](double& known, double until) { known = std::max(known, until); });
-  });
 }
 
 // Of hexes that are new to the encounter; vertices that may touch anyway learn nothing from them.
-void look_at_unseen(const Meeting& meeting) {
+void look_at_unseen(Meeting& meeting) {
   std::vector<int>& unseen = meeting.clearance.unseen;
   if (unseen.empty()) return;
-  std::vector<OtherHex> others;
-  for (const OtherHex& other : meeting.others)
-    if (std::binary_search(unseen.begin(), unseen.end(), other.hex)) others.push_back(other);
+  std::vector<int> others;
+  for (int number = 0; number < int(meeting.others.size()); ++number)
+    if (std::binary_search(unseen.begin(), unseen.end(), meeting.others[std::size_t(number)].hex))
+      others.push_back(number);
   for_each_cluster(meeting, [&](const VertexCluster& cluster, int first) {
-    if (num_near(meeting, cluster, first) < cluster.count)
-      look_at_cluster(meeting, others, cluster, first,
-                      [](double& known, double until) { known = std::min(known, until); });
+    look_at_cluster(
+        meeting, others, cluster, first, [&](int k) { return !is_near(meeting, k); },
+        [&](const NearVertex& vertex) {
+          double& until = meeting.clearance.until[std::size_t(vertex.k)];
+          until = std::min(until, clear_until(meeting, vertex.first_other < vertex.end_other ? 0 : vertex.clear));
+        });
   });
+  meeting.near_others.clear();
   unseen.clear();
 }
 
+// the vertices that may touch, and of the others until when they cannot
 void find_near(Meeting& meeting) {
-  const std::vector<double>& until = meeting.clearance.until;
-  double& least = meeting.clearance.least;
-  least = infinity;
-  for (int k = 0; k < int(until.size()); ++k) {
-    least = std::min(least, until[std::size_t(k)]);
-    if (!(until[std::size_t(k)] > meeting.clearance.way)) meeting.near.push_back(k);
-  }
-  std::sort(meeting.near.begin(), meeting.near.end(),
-            [&](int a, int b) { return std::pair(until[std::size_t(a)], a) < std::pair(until[std::size_t(b)], b); });
+  std::vector<double>& until = meeting.clearance.until;
+  std::vector<int> all(meeting.others.size());
+  std::iota(all.begin(), all.end(), 0);
+  for_each_cluster(meeting, [&](const VertexCluster& cluster, int first) {
+    look_at_cluster(
+        meeting, all, cluster, first, [&](int k) { return is_near(meeting, k); },
+        [&](const NearVertex& vertex) {
+          if (vertex.first_other < vertex.end_other)
+            meeting.near.push_back(vertex);
+          else
+            until[std::size_t(vertex.k)] = clear_until(meeting, vertex.clear);
+        });
+  });
+  meeting.clearance.least = until.empty() ? infinity : *std::min_element(until.begin(), until.end());
+  std::sort(meeting.near.begin(), meeting.near.end(), [&](const NearVertex& a, const NearVertex& b) {
+    return std::pair(until[std::size_t(a.k)], a.k) < std::pair(until[std::size_t(b.k)], b.k);
+  });
 }
 
 }  // namespace
@@ -198,8 +213,6 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
                   {},
                   {},
                   leaving_of(search.step, encounter.hex, encounter.others.front()),
-                  {},
-                  {},
                   search.clearances.of_encounters[i]};
   if (meeting.clearance.least > meeting.clearance.way && meeting.clearance.unseen.empty()) return meeting;
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
@@ -213,36 +226,33 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
   std::vector<double>& until = meeting.clearance.until;
   if (until.empty()) until.assign(num_vertices(meeting.clusters, encounter.hex), -infinity);
   look_at_unseen(meeting);
-  look_at_clusters(meeting, worth_a_look);
   find_near(meeting);
   return meeting;
 }
 
-bool find_held(const Meeting& meeting, int k, HeldVertex& held) {
-  const Support vertex = vertex_support(meeting, k);
-  const Vector3d position = meeting.nodes.transpose() * vertex.weights;
-  bool is_held = false;
-  double least_held = infinity;  // of hexes that may hold it, or do
-  const double least = clear_of_all(meeting, meeting.others, position, 0, [&](const OtherHex& other) {
-    if (is_held) return;
-    const bool is_inside = hold(meeting.model, meeting.apart, vertex, position, other.bounds->maps, within_hex, held);
-    is_held = is_inside && !is_clear(surface_of(meeting.body), held);
-    least_held = std::min(least_held, is_inside ? held.bounds.low : distance_beyond(*other.bounds, position));
-  });
-  if (!is_held) meeting.clearance.until[std::size_t(k)] = clear_until(meeting, std::min(least, least_held));
-  return is_held;
+bool find_held(const Meeting& meeting, const NearVertex& vertex, HeldVertex& held) {
+  const Support support = vertex_support(meeting, vertex.k);
+  double least = vertex.clear;
+  for (int i = vertex.first_other; i < vertex.end_other; ++i) {
+    const OtherHex& other = meeting.others[std::size_t(meeting.near_others[std::size_t(i)])];
+    const bool is_inside =
+        hold(meeting.model, meeting.apart, support, vertex.position, other.bounds->maps, within_hex, held);
+    if (is_inside && !is_clear(surface_of(meeting.body), held)) return true;
+    least = std::min(least, is_inside ? held.bounds.low : distance_beyond(*other.bounds, vertex.position));
+  }
+  meeting.clearance.until[std::size_t(vertex.k)] = clear_until(meeting, least);
+  return false;
 }
 
-void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch& touch) {
+void remember(const Meeting& meeting, const NearVertex& vertex, const HeldVertex& held, const Touch& touch) {
   double least = std::min(touch.gap, touch.clear);
   if (least > 0) {  // a hex that is folded over the one that holds the vertex may hold it, too
-    const Vector3d position = meeting.nodes.transpose() * held.vertex.weights;
     for (const OtherHex& other : meeting.others)
-      if (squared_distance(other.box, position) < least * least &&
+      if (squared_distance(other.box, vertex.position) < least * least &&
           !share_node(meeting.model, other.hex, held.other.hex))
-        least = std::min(least, clear_of(meeting, other, position, 0));
+        least = std::min(least, clear_of(meeting, other, vertex.position, 0));
   }
-  meeting.clearance.until[std::size_t(k)] = clear_until(meeting, least);
+  meeting.clearance.until[std::size_t(vertex.k)] = clear_until(meeting, least);
 }
 
 }  // namespace umax

@@ -35,6 +35,14 @@ struct OtherHex {
   double largest_move = 0;  // [m] of the vertices' hex against this one since its vertices were outside, at rest
 };
 
+/// A vertex that may touch.
+struct NearVertex {
+  int k = 0;                           // which one of the hex
+  Vector3d position{0, 0, 0};          // [m]
+  int first_other = 0, end_other = 0;  // in Meeting::near_others: hexes that may hold it
+  double clear = 0;                    // [m] from touching in the others, at least
+};
+
 /// A hex whose vertices may be in hexes of a body, at the positions of a search.
 struct Meeting {
   const Model& model;
@@ -46,28 +54,30 @@ struct Meeting {
   Matrix8x3d nodes;
   Vector3d half_edges;  // longest_half_edges() of these
   std::optional<Leaving> leaving;
-  std::vector<OtherHex> others;
-  std::vector<int> near;  // of these, by number: those that may touch, the ones that were deepest first
   Clearances::OfEncounter& clearance;
+  std::vector<OtherHex> others{};
+  std::vector<NearVertex> near{};   // the ones that were deepest first
+  std::vector<int> near_others{};   // of `others`, by number, vertex by vertex
+  std::vector<int> near_cluster{};  // the same of the cluster that is looked at
 };
 
 /// Of the search's encounter i. apart: where vertices were last outside.
 Meeting meet(const Search& search, const LastApart& apart, std::size_t i);
 
-/// Is the meeting's vertex k in one of the other hexes, and inside the surface there or perhaps come through it? If not,
-/// how far it is from that is remembered.
-bool find_held(const Meeting& meeting, int k, HeldVertex& held);
+/// Is the vertex in one of the other hexes, and inside the surface there or perhaps come through it? If not, how far it is
+/// from that is remembered.
+bool find_held(const Meeting& meeting, const NearVertex& vertex, HeldVertex& held);
 
 /// Remembers how far the vertex, which a hex of the body holds and which meets this there, is from touching; of one that
 /// is inside, how deep it is.
-void remember(const Meeting& meeting, int k, const HeldVertex& held, const Touch& touch);
+void remember(const Meeting& meeting, const NearVertex& vertex, const HeldVertex& held, const Touch& touch);
 
 /// Calls visit(vertex, held) for each vertex for which find_held().
 template <class Visit>
 void visit_held(const Meeting& meeting, const Visit& visit) {
   HeldVertex held;
-  for (const int k : meeting.near)
-    if (find_held(meeting, k, held)) visit(meeting.vertices[k], held);
+  for (const NearVertex& vertex : meeting.near)
+    if (find_held(meeting, vertex, held)) visit(meeting.vertices[vertex.k], held);
 }
 
 /// The deepest vertex of those with gaps below `below`; point -1: there is none.
@@ -86,15 +96,15 @@ DeepestVertex find_deepest(const Meeting& meeting, double below, const Deep& dee
   if (meeting.near.empty()) return deepest;
   const double tie = tied_depth(meeting.model, meeting.hex);
   HeldVertex held;
-  for (const int k : meeting.near) {
-    if (!find_held(meeting, k, held)) continue;
+  for (const NearVertex& vertex : meeting.near) {
+    if (!find_held(meeting, vertex, held)) continue;
     const double most = deepest.gap + tie;
     if (!meeting.leaving && least_gap(held) > most) continue;
     const Touch touch = measure(meeting.model, held, meeting.leaving);
-    remember(meeting, k, held, touch);
+    remember(meeting, vertex, held, touch);
     if (touch.gap > most) continue;
     const double gap = touch.gap + deep(held);
-    const int point = meeting.vertices[k];
+    const int point = meeting.vertices[vertex.k];
     const bool is_tied = deepest.point >= 0 && std::abs(gap - deepest.gap) <= tie;
     if (is_tied ? point < deepest.point : gap < deepest.gap) deepest = {point, gap, held, touch};
   }

@@ -23,6 +23,13 @@ struct VertexClusters {
 VertexClusters cluster_vertices(const Model& model, const std::vector<int>& hex_starts,
                                 const std::vector<int>& hex_points);
 
+/// Vertices of a cluster are far from each other in memory: the processor may fetch the weights of all while it waits for the
+/// first.
+inline void fetch_weights(const Model::BodyRange& body, const VertexClusters& clusters, const VertexCluster& cluster) {
+  for (int k = cluster.first; k < cluster.first + cluster.count; ++k)
+    __builtin_prefetch(surface_weights(body, clusters.points[std::size_t(k)]).data());
+}
+
 /// Half of a hex's longest edge along each axis of its local coordinates [m].
 Vector3d longest_half_edges(const Matrix8x3d& nodes);
 
