@@ -16,10 +16,12 @@ namespace {
 // A limit that holds to its tolerance may still give or take energy; more than this share of the tolerance of all the
 // energy there is would show as energy that rises from nowhere.
 constexpr double negligible_work = 1e-4;
-constexpr double hidden_work = 0.1;    // share of what the integrator loses in the step anyway
-constexpr double far_gap = 50;         // [penetration tolerances]
-constexpr double resting_move = 2e-4;  // [cells] in a step
-constexpr double settled_move = 0.05;  // [cells] a larger last move means that the iteration is still on its way
+constexpr double hidden_work = 0.1;     // share of what the integrator loses in the step anyway
+constexpr double far_gap = 50;          // [penetration tolerances]
+constexpr double resting_move = 2e-4;   // [cells] in a step
+constexpr double exact_guess = 0.01;    // [tolerances] of the residual
+constexpr double standing_move = 1e-6;  // [cells] in a step
+constexpr double settled_move = 0.05;   // [cells] a larger last move means that the iteration is still on its way
 // [cells] What moves less is at rest to the last bits: what forces then miss, at most so many tolerances, is rounding, as where
 // stiff springs of pins and a body that they tear pull against each other.
 constexpr double rounding_move = 1e-12;
@@ -229,6 +231,15 @@ bool is_solution(const StepProblem& problem, const Quality& quality, const Itera
   return (is_rounded || is_balanced(quality.kkt, tolerance)) && quality.max_ratio <= 1 + tolerance &&
          quality.complementarity <= tolerance && quality.limit_work <= bearable_work(problem, iterate) &&
          quality.depth <= problem.joining_share && iterate.last_move <= settled_move;
+}
+
+bool is_exact_guess(const StepProblem& problem, const Quality& quality, const Iterate& iterate) {
+  if (is_balanced(quality.kkt, exact_guess * problem.options->solver.tolerance)) return true;
+  const Model& model = *problem.model;
+  const VectorXd moved = (iterate.positions - problem.positions_t0).rowwise().norm();
+  return std::all_of(model.bodies.begin(), model.bodies.end(), [&](const Model::BodyRange& body) {
+    return moved.segment(body.first_node, body.num_nodes).maxCoeff() <= standing_move * body.cell_size;
+  });
 }
 
 void report_iteration(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate) {

@@ -68,6 +68,10 @@ Quality assess(const StepProblem& problem, const Iterate& iterate);
 /// All constraints, stationarity and the last move within the solver's tolerance.
 bool is_solution(const StepProblem& problem, const Quality& quality, const Iterate& iterate);
 
+/// Is the first guess, which is a solution to the solver's tolerance, better than that, or does nothing move? Where bodies
+/// go on by inertia for a few steps before forces that are missing count, they are late, and late forces feed a swing.
+bool is_exact_guess(const StepProblem& problem, const Quality& quality, const Iterate& iterate);
+
 /// Reports the iterate to StepOptions::on_iteration.
 void report_iteration(const StepProblem& problem, int iteration, const Quality& quality, const Iterate& iterate);
 

@@ -124,7 +124,9 @@ bool sequential_quadratic(const StepProblem& problem, const BackEnd& back_end, W
     const Quality quality = assess(problem, iterate);
     iterate.residuals.push_back(quality.kkt);
     report_iteration(problem, iteration, quality, iterate);
-    if (added == 0 && is_solution(problem, quality, iterate)) return true;
+    if (added == 0 && is_solution(problem, quality, iterate) &&
+        (iteration > 0 || is_exact_guess(problem, quality, iterate)))
+      return true;
     been_near = been_near || quality.kkt <= worth_patience * solver.tolerance;
     const int patience = been_near ? back_end.patience_near : back_end.patience;
     const int spent = std::max(iteration - cut_steps, iteration / 2);  // cut ones are many where bodies come together
