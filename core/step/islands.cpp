@@ -58,7 +58,9 @@ std::vector<std::vector<int>> find_islands(const Model& model, const ContactGeom
   for (const State::ContactImpulse& contact : state.contacts)
     if (contact.other_hex >= 0) groups.join(model.hex_body[contact.hex], model.hex_body[contact.other_hex]);
   const Points expected = state.positions + time_step * state.velocities;
-  const Encounters encounters = find_encounters(model, geometry.touchable, geometry.hex_starts, expected, margin);
+  const Encounters encounters =
+      find_encounters_of(model, geometry.touchable, geometry.hex_starts, expected, margin,
+                         [&](int body, int other) { return groups.of(body) != groups.of(other); });
   for (const Encounter& encounter : encounters.all) groups.join(model.hex_body[encounter.hex], encounter.body);
   for (const FastPair& pair : fast_pairs(model, geometry.touchable, geometry.hex_starts, state.positions, expected))
     groups.join(pair.body, pair.other);
