@@ -114,7 +114,7 @@ GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<Con
     add(before.forces, state, sweeps);
     take_mean(sweeps, state);
     if (result.sweeps < next_try) continue;
-    const bool tries = problem.count() <= few || what_is_left(problem, state) <= near;
+    const bool tries = problem.count() <= few || (!options.is_rough && what_is_left(problem, state) <= near);
     if (tries && !try_newton(problem, options.tolerance, state)) between *= 2;
     if (tries) sweeps = {};
     next_try = result.sweeps + (tries ? between : sweeps_between);

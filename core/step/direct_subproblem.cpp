@@ -40,7 +40,9 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
   VectorXd step = free_step;
   Delassus delassus;
   const bool rough = is_rough(problem, iterate);
-  const int most_sweeps = rough ? solver.max_sweeps / 10 : solver.max_sweeps;
+  const GaussSeidelOptions sweeps{.max_sweeps = rough ? solver.max_sweeps / 10 : solver.max_sweeps,
+                                  .tolerance = std::min(1e-6, 1e-2 * solver.tolerance),
+                                  .is_rough = rough};
   for (int round = 0; round < max_contact_rounds; ++round) {
     extend(model, workspace, iterate.contacts, delassus);
     if (!iterate.contacts.empty()) {
@@ -48,10 +50,7 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
         force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
       const auto [rows, motions] = free_rows(problem, iterate, free_step);
-      report.linear_iterations +=
-          solve_contacts(delassus, rows, motions,
-                         {.max_sweeps = most_sweeps, .tolerance = std::min(1e-6, 1e-2 * solver.tolerance)}, force)
-              .sweeps;
+      report.linear_iterations += solve_contacts(delassus, rows, motions, sweeps, force).sweeps;
       VectorXd push = VectorXd::Zero(step.size());
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
         iterate.contacts[i].force = force.segment<3>(3 * Eigen::Index(i));
