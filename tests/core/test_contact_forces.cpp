@@ -107,6 +107,14 @@ TEST_CASE("Newton steps settle the contacts of many bodies, too") {
   CHECK(result.converged);
   CHECK(result.sweeps < 90);  // 61; 123 by sweeps and their means alone
   CHECK(violation(sample, forces) < 1e-6);
+
+  const GaussSeidelOptions rough{.max_sweeps = 2000, .tolerance = 1e-10, .is_rough = true};
+  VectorXd swept = VectorXd::Zero(sample.q.size());
+  const GaussSeidelResult by_sweeps = solve_contacts(sample.delassus, sample.rows, sample.q, rough, swept);
+  CAPTURE(by_sweeps.sweeps);
+  CHECK(by_sweeps.converged);
+  CHECK(by_sweeps.sweeps > result.sweeps);  // no Newton steps
+  CHECK(violation(sample, swept) < 1e-6);
 }
 
 TEST_CASE("means of sweeps settle many contacts that depend on each other, which sweeps alone hardly move") {
