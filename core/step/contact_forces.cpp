@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/step/contact_newton.h"
+#include "core/step/contact_part.h"
 
 namespace umax {
 namespace {
@@ -15,7 +16,8 @@ constexpr double spoiling_growth = 2;    // of what a sweep changes: from there 
 constexpr int sweeps_between = 20;       // tries of Newton's method; after one that failed, twice as many
 constexpr double kept_product = 1e-12, most_weight = 1e4;  // [-] of means of sweeps that are nearly alike
 constexpr double near = 1e-4;  // [-] what is left where sets may be right: Newton's method needs them
-constexpr int few = 50;        // contacts: of so few a try costs nothing
+constexpr int few = 50;        // contacts: of so few a try costs nothing, and all are swept over
+constexpr int sweeps_over_all = 10, sweeps_until_look = 20;  // then over those that push; after each look twice as many
 
 // one projected Gauss-Seidel sweep over all contacts
 ForceChanges sweep(const ContactProblem& problem, ContactState& state) {
@@ -93,34 +95,91 @@ void take_mean(Sweeps& sweeps, ContactState& state) {
   }
 }
 
+// How far the sweeps are.
+struct Course {
+  int sweeps = 0;
+  bool converged = false;
+  Sweeps last;
+  int between = sweeps_between, next_try = sweeps_between;
+};
+
+// Sweeps and what goes with them, until so many are made. The state is then the end of a sweep, or of Newton's method: means may
+// be outside of the cones.
+void settle(const ContactProblem& problem, const GaussSeidelOptions& options, int end, Course& course,
+            ContactState& state) {
+  while (!course.converged && course.sweeps < end) {
+    ++course.sweeps;
+    const ContactState before = state;
+    course.converged = sweep(problem, state).are_within(options.tolerance) ||
+                       moves_nothing(problem, before, state, 0.1 * options.tolerance);
+    if (course.converged || course.sweeps == end) return;
+    add(before.forces, state, course.last);
+    take_mean(course.last, state);
+    if (course.sweeps < course.next_try) continue;
+    const bool tries = problem.count() <= few || (!options.is_rough && what_is_left(problem, state) <= near);
+    if (tries && !try_newton(problem, options.tolerance, state)) course.between *= 2;
+    if (tries) course.last = {};
+    course.next_try = course.sweeps + (tries ? course.between : sweeps_between);
+  }
+}
+
+// Marks contacts that push, or have to at the motions; are any new?
+bool let_join(const ContactProblem& problem, const ContactState& state, std::vector<char>& joined) {
+  bool is_any_new = false;
+  for (int i = 0; i < problem.count(); ++i) {
+    if (joined[std::size_t(i)]) continue;
+    const ContactRow& contact = problem.contacts[std::size_t(i)];
+    const double gap = contact.normal.dot(motion_of(problem, state, i)) + contact.bias;
+    joined[std::size_t(i)] = gap < 0 || !state.forces.segment<3>(3 * i).isZero(0);
+    is_any_new = is_any_new || joined[std::size_t(i)];
+  }
+  return is_any_new;
+}
+
+std::vector<int> numbers_of(const std::vector<char>& marked) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < marked.size(); ++i)
+    if (marked[i]) numbers.push_back(int(i));
+  return numbers;
+}
+
+// The same for many contacts: first over all, then over those that push or have to.
+void settle_in_part(const ContactProblem& problem, const GaussSeidelOptions& options, Course& course,
+                    ContactState& state) {
+  settle(problem, options, std::min(sweeps_over_all, options.max_sweeps), course, state);
+  std::vector<char> joined(std::size_t(problem.count()), 0);
+  let_join(problem, state, joined);
+  bool is_any_new = false;
+  while (!course.converged && course.sweeps < options.max_sweeps) {
+    const ContactPart part(problem, numbers_of(joined));
+    ContactState of_part = part.state_of(state);
+    course.last = {};
+    is_any_new = false;
+    for (int sweeps = sweeps_until_look; !is_any_new && !course.converged && course.sweeps < options.max_sweeps;
+         sweeps *= 2) {
+      settle(part.problem(), options, std::min(options.max_sweeps, course.sweeps + sweeps), course, of_part);
+      state = part.state_of_all(of_part);
+      is_any_new = let_join(problem, state, joined);
+      course.converged = course.converged && !is_any_new;
+    }
+  }
+  if (is_any_new)  // what joined last has not pushed yet
+    for (int i = 0; i < sweeps_over_all; ++i) sweep(problem, state);
+}
+
 }  // namespace
 
 GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
                                  const GaussSeidelOptions& options, VectorXd& forces) {
-  ContactProblem problem{.delassus = delassus, .contacts = contacts, .q = q, .blocks = {}};
-  for (int i = 0; i < problem.count(); ++i)
-    problem.blocks.push_back(make_contact_block(compliance(delassus, i, i), contacts[i].normal));
-  problem.free_motions = motions_of(problem, VectorXd::Zero(forces.size()));
+  const ContactProblem problem = make_contact_problem(delassus, contacts, q);
   ContactState state{forces, motions_of(problem, forces)};
-  GaussSeidelResult result;
-  Sweeps sweeps;
-  int between = sweeps_between, next_try = between;
-  while (!result.converged && result.sweeps < options.max_sweeps) {
-    ++result.sweeps;
-    const ContactState before = state;
-    result.converged = sweep(problem, state).are_within(options.tolerance) ||
-                       moves_nothing(problem, before, state, 0.1 * options.tolerance);
-    if (result.converged || result.sweeps == options.max_sweeps) break;  // a mean may be outside of the cones
-    add(before.forces, state, sweeps);
-    take_mean(sweeps, state);
-    if (result.sweeps < next_try) continue;
-    const bool tries = problem.count() <= few || (!options.is_rough && what_is_left(problem, state) <= near);
-    if (tries && !try_newton(problem, options.tolerance, state)) between *= 2;
-    if (tries) sweeps = {};
-    next_try = result.sweeps + (tries ? between : sweeps_between);
-  }
+  Course course;
+  if (problem.count() > few)
+    settle_in_part(problem, options, course, state);
+  else
+    settle(problem, options, options.max_sweeps, course, state);
   forces = state.forces;
-  return result;
+  return {course.sweeps, course.converged};
 }
 
 }  // namespace umax

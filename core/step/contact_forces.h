@@ -7,6 +7,9 @@
 // formulation for frictional contact problems prone to Newton like solution methods), and kept if what is left falls. Where
 // the sets are right, one step is the solution.
 //
+// Of many contacts most do not push: sweeps go over those that do, or have to (core/step/contact_part.h), and looks at all others
+// now and then tell which have to join.
+//
 // Natural map   n: f_n - max(0, f_n - (w_n + b) / k_n);   t: f_t - disc(f_t - w_t / k_t; mu f_n)
 //
 // f, w: force [N] and motion [m], n and t their normal and tangential parts;  b: bias [m];  k: compliance of the contact

@@ -2,6 +2,15 @@
 
 namespace umax {
 
+ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<ContactRow>& contacts,
+                                    const VectorXd& q) {
+  ContactProblem problem{.delassus = delassus, .contacts = contacts, .q = q, .blocks = {}};
+  for (int i = 0; i < problem.count(); ++i)
+    problem.blocks.push_back(make_contact_block(compliance(delassus, i, i), contacts[std::size_t(i)].normal));
+  problem.free_motions = motions_of(problem, VectorXd::Zero(q.size()));
+  return problem;
+}
+
 std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces) {
   const Delassus& delassus = problem.delassus;
   std::vector<VectorXd> on(delassus.bodies.size());

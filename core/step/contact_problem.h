@@ -24,6 +24,10 @@ struct ContactProblem {
   int count() const { return int(contacts.size()); }
 };
 
+/// The problem; as long as what it refers to.
+ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<ContactRow>& contacts,
+                                    const VectorXd& q);
+
 /// What contacts' forces (3 #C) are at the points of each body.
 std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces);
 

@@ -1,6 +1,7 @@
 // Contact forces by sweeps and Newton steps, against sweeps alone on the same problem as one dense matrix.
 #include "core/step/contact_forces.h"
 
+#include "core/step/contact_part.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 
@@ -127,6 +128,54 @@ TEST_CASE("means of sweeps settle many contacts that depend on each other, which
   CHECK(with_means.converged);
   CHECK(with_means.sweeps < 400);
   CHECK(alone.sweeps > 1500);
+}
+
+TEST_CASE("contacts that do not push are left out of sweeps, until others push them together") {
+  // most are open by so much that they stay so, some by so little that what pushes others closes them
+  Sample sample = random_sample(13, 120, 0, 0.3);
+  for (std::size_t i = 0; i < sample.rows.size(); ++i) sample.rows[i].bias = i % 3 == 0 ? 0 : i % 3 == 1 ? 2 : 40;
+  const GaussSeidelOptions options{.max_sweeps = 2000, .tolerance = 1e-10};
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, options, forces).converged);
+  CHECK(violation(sample, forces) < 1e-6);
+
+  const ContactProblem all = make_contact_problem(sample.delassus, sample.rows, sample.q);
+  std::vector<int> pushing, joining;
+  for (int i = 0; i < all.count(); ++i)
+    if (!forces.segment<3>(3 * i).isZero(0)) {
+      pushing.push_back(i);
+      if (sample.rows[i].normal.dot(sample.q.segment<3>(3 * i)) + sample.rows[i].bias > 0) joining.push_back(i);
+    }
+  CHECK(joining.size() > 3);  // open without forces
+  CHECK(pushing.size() < sample.rows.size() / 2);
+
+  // these alone are the same problem
+  const ContactPart part(all, pushing);
+  const ContactState state{forces, motions_of(all, forces)}, some = part.state_of(state),
+                                                             again = part.state_of_all(some);
+  CHECK(what_is_left(part.problem(), some) < 1e-9);
+  CHECK(again.forces == forces);
+  for (std::size_t i = 0; i < pushing.size(); ++i)
+    CHECK((motion_of(part.problem(), some, int(i)) - motion_of(all, state, pushing[i])).norm() < 1e-9);
+}
+
+TEST_CASE("where sweeps end before forces are settled, none that has to push has been left out") {
+  Sample sample = random_sample(17, 120, 0, 0.05);
+  for (std::size_t i = 0; i < sample.rows.size(); ++i) sample.rows[i].bias = i % 2 == 0 ? 0 : 2;
+  const int sweeps = GENERATE(13, 20);
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  const GaussSeidelOptions options{.max_sweeps = sweeps, .tolerance = 1e-14, .is_rough = true};
+  CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, options, forces).sweeps == sweeps);
+  const VectorXd w = dense(sample.delassus) * forces + sample.q;
+  double typical = 0, left_out = 0;  // approach of those without force beside the free ones
+  for (std::size_t i = 0; i < sample.rows.size(); ++i) {
+    const auto at = 3 * Eigen::Index(i);
+    const ContactRow& row = sample.rows[i];
+    typical = std::max(typical, -(row.normal.dot(sample.q.segment<3>(at)) + row.bias));
+    if (forces.segment<3>(at).isZero(0)) left_out = std::max(left_out, -(row.normal.dot(w.segment<3>(at)) + row.bias));
+  }
+  CAPTURE(sweeps, typical, left_out);
+  CHECK(left_out < 0.2 * typical);
 }
 
 TEST_CASE("forces that are right stay as they are") {
