@@ -56,7 +56,8 @@ bool bodies_meet(const ContactStep& step, const LastApart& apart, const Points& 
 void place_surface_contacts(const ContactStep& step, const LastApart& apart, const Points& positions,
                             std::vector<Contact>& contacts);
 
-inline constexpr std::size_t most_planes = 3;  // of a vertex in a groove of a body
+/// Of a vertex against a body: three hold it in a groove, and where it slides around something round some are left behind.
+inline constexpr std::size_t most_planes = 6;
 
 /// Planes of a vertex against a body that have become one are one contact, with the sum of their forces. Where a vertex still
 /// has as many planes as it may, the farthest one goes, if it does not push and is out of reach of the tolerance: another that
