@@ -50,8 +50,8 @@ struct Contact {
 /// Where vertices were when they were last outside what they touch: at the last iterate, or before.
 struct LastApart {
   LastApart() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): positions at which all are outside
-  LastApart(const Points& positions) : latest(std::make_shared<const Points>(positions)) {}
+  /// All are outside at the positions, which are copied.
+  explicit LastApart(const Points& positions) : latest(std::make_shared<const Points>(positions)) {}
   std::shared_ptr<const Points> latest;  // #N x 3 [m]
   // of the vertices of a hex in a body, if one was inside at the last iterate
   std::map<std::pair<int, int>, std::shared_ptr<const Points>> before;

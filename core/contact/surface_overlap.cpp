@@ -15,8 +15,9 @@ constexpr double one_way = 0.6;  // [-] of the depths of vertices in a body, tha
 // Calls visit(i, vertex, held, touch) for each vertex of encounter i that is inside a body, in parallel by encounter.
 template <class Visit>
 void visit_inside(const Search& search, const Visit& visit) {
+  const LastApart apart(search.positions);
   for_each_encounter(search, [&](std::size_t i, const Encounter&) {
-    visit_held(meet(search, search.positions, i), [&](int vertex, const HeldVertex& held) {
+    visit_held(meet(search, apart, i), [&](int vertex, const HeldVertex& held) {
       const Touch touch = measure(*search.step.model, held, {});
       if (touch.gap < 0) visit(i, vertex, held, touch);
     });
@@ -136,9 +137,10 @@ double max_surface_penetration(const Model& model, const ContactGeometry& geomet
   if (!geometry.touchable.any()) return 0;
   const ContactStep step = at_rest(model, geometry, positions, std::move(known));
   const Search search = search_at(step, positions);
+  const LastApart apart(positions);
   VectorXd depths = VectorXd::Zero(Eigen::Index(search.clearances.encounters.all.size()));
   for_each_encounter(search, [&](std::size_t i, const Encounter&) {
-    depths[Eigen::Index(i)] = -find_deepest(meet(search, positions, i), 0, [](const HeldVertex&) { return 0.0; }).gap;
+    depths[Eigen::Index(i)] = -find_deepest(meet(search, apart, i), 0, [](const HeldVertex&) { return 0.0; }).gap;
   });
   return depths.size() ? depths.maxCoeff() : 0;
 }

@@ -47,7 +47,7 @@ void approach(const StepProblem& problem, Iterate& iterate) {
   for (int part = 1; part <= parts; ++part) {
     iterate.positions = problem.positions_t0 + double(part) / parts * way;
     if (bodies_meet(problem.contact, iterate.apart, iterate.positions, problem.joining_share, has_fast_parts)) break;
-    iterate.apart = iterate.positions;
+    iterate.apart = LastApart(iterate.positions);
   }
   place_driven(problem.pins, iterate.positions);
   update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);

@@ -128,7 +128,7 @@ Iterate predict(const StepProblem& problem, const State& state) {
   const std::vector<char> falls = falling_bodies(model, state), rests = resting_bodies(problem, state);
   Iterate iterate;
   iterate.positions = problem.positions_t0;
-  iterate.apart = iterate.positions;
+  iterate.apart = LastApart(iterate.positions);
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     for (int i = 0; i < model.bodies[b].num_nodes && !rests[b]; ++i) {
       const int node = model.bodies[b].first_node + i;

@@ -93,9 +93,10 @@ std::vector<Contact> recall_contacts(const StepProblem& problem, const State& st
       contacts.back().force = memory.impulse / problem.h;
     }
   }
-  place_surface_contacts(problem.contact, problem.positions_t0, problem.positions_t0, contacts);
+  const LastApart apart(problem.positions_t0);
+  place_surface_contacts(problem.contact, apart, problem.positions_t0, contacts);
   std::erase_if(contacts, [](const Contact& contact) { return contact.normal.isZero(0); });
-  update_contacts(problem.contact, problem.positions_t0, positions, contacts);
+  update_contacts(problem.contact, apart, positions, contacts);
   return contacts;
 }
 

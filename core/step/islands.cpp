@@ -80,7 +80,7 @@ std::vector<std::vector<int>> join_islands(const Model& model, const ContactGeom
   const ContactStep step =
       begin_contact_step(model, geometry, start.positions, end.positions, start.time, end.time - start.time, 0,
                          across(model, geometry, end.positions, island_of));
-  for (const Contact& contact : surface_candidates(step, start.positions, end.positions, 1)) {
+  for (const Contact& contact : surface_candidates(step, LastApart(start.positions), end.positions, 1)) {
     const auto [first, second] = bodies_of(model, contact);
     if (island_of[first] != island_of[second]) groups.join(first, second);
   }

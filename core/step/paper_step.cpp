@@ -232,11 +232,11 @@ bool constraints_hold(const StepProblem& problem, const SparseCholesky& cholesky
       iterate.candidate[l] = 1;
       hold = hold && iterate.ratios[l] <= 1 + tolerance;
     }
-  update_contacts(problem.contact, problem.positions_t0, iterate.positions, iterate.contacts);
+  const LastApart apart(problem.positions_t0);
+  update_contacts(problem.contact, apart, iterate.positions, iterate.contacts);
   hold = hold && worst_gap(*problem.model, iterate.contacts) >= -problem.joining_share;
   const std::size_t known = iterate.contacts.size();
-  const int added =
-      add_contacts(problem.contact, problem.positions_t0, iterate.positions, problem.joining_share, iterate.contacts);
+  const int added = add_contacts(problem.contact, apart, iterate.positions, problem.joining_share, iterate.contacts);
   append_contact_columns(problem, cholesky, known, iterate);
   return hold && added == 0;
 }

@@ -176,7 +176,7 @@ TEST_CASE("contact forces of two bodies have neither sum nor torque") {
   const ContactGeometry geometry = make_contact_geometry(model);
   const ContactStep step = begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  REQUIRE(add_contacts(step, positions, positions, 0, contacts) > 3);
+  REQUIRE(add_contacts(step, LastApart(positions), positions, 0, contacts) > 3);
   for (const Contact& contact : contacts) {
     CHECK(contact.normal.norm() == Approx(1));
     CHECK(contact_position(model, positions, contact).norm() < 1e-12);  // both places are one
@@ -205,7 +205,7 @@ TEST_CASE("a gap changes as its supports say, with second order where it is zero
   positions.topRows(27).col(0).array() += 1e-12;  // in touch
   const ContactStep step = begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  add_contacts(step, positions, positions, 0, contacts);
+  add_contacts(step, LastApart(positions), positions, 0, contacts);
   int measured = 0;
   for (const Contact& contact : contacts) {
     const Vector3d place = embedded_position(model, positions, contact.support);
@@ -214,7 +214,7 @@ TEST_CASE("a gap changes as its supports say, with second order where it is zero
     const double slope = contact.normal.dot(contact_motion(model, contact, motion.reshaped<Eigen::RowMajor>()));
     const auto error = [&](double h) {
       std::vector<Contact> moved{contact};
-      place_surface_contacts(step, positions, positions + h * motion, moved);
+      place_surface_contacts(step, LastApart(positions), positions + h * motion, moved);
       return std::abs((moved[0].gap - contact.gap) / h - slope);
     };
     CHECK(error(1e-4) < 0.05);

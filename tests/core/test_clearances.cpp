@@ -71,9 +71,9 @@ TEST_CASE("a search that remembers finds what one finds that begins anew, wherev
     positions.middleRows(ball.first_node, ball.num_nodes).col(0).array() -= sign * stride;
     positions.middleRows(block.first_node, block.num_nodes).col(1).array() -= sign * stride;
     const ContactStep anew = fresh_step(model, geometry, rest, positions);
-    const std::vector<Contact> found = surface_candidates(remembering, rest, positions, 0);
+    const std::vector<Contact> found = surface_candidates(remembering, LastApart(rest), positions, 0);
     CAPTURE(look);
-    REQUIRE(are_equal(found, surface_candidates(anew, rest, positions, 0)));
+    REQUIRE(are_equal(found, surface_candidates(anew, LastApart(rest), positions, 0)));
     most = std::max(most, int(found.size()));
   }
   if (stride > 1e-2) CHECK(most > 5);
@@ -98,9 +98,10 @@ TEST_CASE("a step that goes on from what the last one remembers finds what one f
     Points positions = expected;
     for (int look = 0; look < 4; ++look) {
       for (double& value : positions.reshaped()) value += random.uniform(-1, 1) * stride;
-      const std::vector<Contact> found = surface_candidates(going_on, start, positions, 0);
+      const std::vector<Contact> found = surface_candidates(going_on, LastApart(start), positions, 0);
       CAPTURE(step, look);
-      REQUIRE(are_equal(found, surface_candidates(fresh_step(model, geometry, start, positions), start, positions, 0)));
+      REQUIRE(are_equal(
+          found, surface_candidates(fresh_step(model, geometry, start, positions), LastApart(start), positions, 0)));
       REQUIRE(max_surface_penetration(model, geometry, positions) ==
               max_surface_penetration(model, geometry, positions, measured));
       found_in_all += int(found.size());
@@ -115,9 +116,9 @@ TEST_CASE("looks at what has hardly moved are few") {
   const ContactGeometry geometry = make_contact_geometry(model);
   Points positions = model.rest_positions;
   const ContactStep step = fresh_step(model, geometry, positions, positions);
-  surface_candidates(step, model.rest_positions, positions, 0);
+  surface_candidates(step, LastApart(model.rest_positions), positions, 0);
   positions.col(1).array() += 1e-6;
-  surface_candidates(step, model.rest_positions, positions, 0);
+  surface_candidates(step, LastApart(model.rest_positions), positions, 0);
   int near = 0, all = 0;
   for (const Clearances::OfEncounter& of : step.clearances->of_encounters)
     for (const double until : of.until) {
@@ -138,12 +139,13 @@ TEST_CASE("vertices far from what they could touch are looked at anew at another
   start.topRows(bar.num_nodes) = bent_to_u(start.topRows(bar.num_nodes), gap);
   start.middleRows(ball.first_node, ball.num_nodes).rowwise() += Eigen::RowVector3d(-0.5 * gap + 0.055 - 2, 0, 0);
   const ContactStep remembering = fresh_step(model, geometry, start, start);
-  REQUIRE(surface_candidates(remembering, start, start, 0).empty());
+  REQUIRE(surface_candidates(remembering, LastApart(start), start, 0).empty());
   Points positions = start;
   positions.middleRows(ball.first_node, ball.num_nodes).col(0).array() += 0.034;  // 2 mm into the other wall
-  const std::vector<Contact> found = surface_candidates(remembering, start, positions, 0);
+  const std::vector<Contact> found = surface_candidates(remembering, LastApart(start), positions, 0);
   CHECK(!found.empty());
-  CHECK(are_equal(found, surface_candidates(fresh_step(model, geometry, start, positions), start, positions, 0)));
+  CHECK(are_equal(found,
+                  surface_candidates(fresh_step(model, geometry, start, positions), LastApart(start), positions, 0)));
 }
 
 TEST_CASE("what is known of vertices stays when bodies leave the places where they were expected") {
@@ -151,7 +153,7 @@ TEST_CASE("what is known of vertices stays when bodies leave the places where th
   const ContactGeometry geometry = make_contact_geometry(model);
   Points positions = model.rest_positions;
   const ContactStep step = fresh_step(model, geometry, positions, positions);
-  surface_candidates(step, model.rest_positions, positions, 0);
+  surface_candidates(step, LastApart(model.rest_positions), positions, 0);
   Clearances& clearances = *step.clearances;
   const auto num_known = [&] {
     return std::count_if(clearances.of_encounters.begin(), clearances.of_encounters.end(),

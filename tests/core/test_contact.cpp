@@ -127,7 +127,7 @@ TEST_CASE("of a flat face's vertices, which are all as deep, the first of each h
   Points down = model.rest_positions;
   down.col(1).array() -= 0.02;
   std::vector<Contact> contacts;
-  REQUIRE(add_contacts(step, down, down, 0.5, contacts) == 9);
+  REQUIRE(add_contacts(step, LastApart(down), down, 0.5, contacts) == 9);
   for (const Contact& contact : contacts) CHECK(contact.point.index == first.at(contact.support.hex));
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("detection names the deepest vertex of each touching hex") {
   above.col(1).array() += 0.1;  // it came from above: no start in penetration
   const ContactStep contact_step = begin_contact_step(model, geometry, above, above, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  REQUIRE(add_contacts(contact_step, state.positions, state.positions, 0.5, contacts) == 2);
+  REQUIRE(add_contacts(contact_step, LastApart(state.positions), state.positions, 0.5, contacts) == 2);
   for (const Contact& contact : contacts) {
     const double hex_start = contact.support.hex == 0 ? 0 : 0.1;
     CHECK(contact.gap == Approx(-0.01 + 0.04 * hex_start).margin(0.04 * 0.035));
@@ -231,14 +231,14 @@ TEST_CASE("gaps followed along their normals are those of a fresh detection for 
   moved.rowwise() += Vector3d(1e-4, -3e-4, 2e-4).transpose();
   const ContactStep contact_step = begin_contact_step(model, geometry, above, above, 0, 0.01, 9.81);
   std::vector<Contact> contacts;
-  add_contacts(contact_step, model.rest_positions, model.rest_positions, 0.5, contacts);
+  add_contacts(contact_step, LastApart(model.rest_positions), model.rest_positions, 0.5, contacts);
   int edges = 0;
   for (const Contact& contact : contacts) edges += contact.point.kind == ContactKind::obstacle_edge;
   REQUIRE(edges > 0);
   REQUIRE(edges < int(contacts.size()));
   std::vector<Contact> followed = contacts, fresh = contacts;
   follow_contacts(contact_step, moved, followed);
-  update_contacts(contact_step, moved, moved, fresh);
+  update_contacts(contact_step, LastApart(moved), moved, fresh);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     CHECK(contacts[i].gap == Approx(-0.002).margin(1e-6));
     CHECK(fresh[i].gap == Approx(-0.0023).margin(1e-6));
@@ -255,8 +255,8 @@ TEST_CASE("a vertex keeps of the depth that it starts with what leaves room for 
   const ContactGeometry geometry = make_contact_geometry(model);
   const Points positions = rest_state(model).positions;
   std::vector<Contact> contacts;
-  add_contacts(begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81), positions, positions, 0,
-               contacts);
+  add_contacts(begin_contact_step(model, geometry, positions, positions, 0, 0.01, 9.81), LastApart(positions),
+               positions, 0, contacts);
   REQUIRE(contacts.size() == 4);  // hexes that touch
   for (const Contact& contact : contacts)
     CHECK(contact.gap / tolerance == Approx(-std::max(0.0, depth - 0.5)).margin(1e-9));

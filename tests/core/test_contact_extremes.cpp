@@ -98,7 +98,7 @@ TEST_CASE("what touches is found as by a search that looks at everything") {
   const ContactGeometry geometry = make_contact_geometry(model);
   const double time_step = 1e3;  // [s] all depths may be mended in it
   const ContactStep step = begin_contact_step(model, geometry, positions, positions, 0, time_step, 0);
-  const std::vector<Contact> found = surface_candidates(step, positions, positions, 0);
+  const std::vector<Contact> found = surface_candidates(step, LastApart(positions), positions, 0);
   int expected = 0;
   for (int hex = 0; hex < model.num_hexes(); ++hex) {
     const int other = 1 - model.hex_body[hex];

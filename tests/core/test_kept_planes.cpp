@@ -27,7 +27,7 @@ struct SunkBlock {
   std::vector<Contact> contacts;
 
   SunkBlock() {
-    REQUIRE(add_surface_contacts(step, model.rest_positions, near, 0, contacts) > 0);
+    REQUIRE(add_surface_contacts(step, LastApart(model.rest_positions), near, 0, contacts) > 0);
     contacts.resize(1);
   }
   Points raised(double by) const {
@@ -35,7 +35,9 @@ struct SunkBlock {
     positions.bottomRows(27).col(1).array() += by;
     return positions;
   }
-  void place(const Points& positions) { place_surface_contacts(step, model.rest_positions, positions, contacts); }
+  void place(const Points& positions) {
+    place_surface_contacts(step, LastApart(model.rest_positions), positions, contacts);
+  }
 };
 
 }  // namespace
@@ -133,7 +135,7 @@ TEST_CASE("of a vertex in a thin part no planes of both its sides are held at on
     contacts.front().normal = normal;
     contacts.front().gap = gap;
     contacts.front().turns_back = 3;
-    add_surface_contacts(block.step, block.model.rest_positions, block.near, 0, contacts);
+    add_surface_contacts(block.step, LastApart(block.model.rest_positions), block.near, 0, contacts);
     return std::count_if(contacts.begin(), contacts.end(),
                          [&](const Contact& contact) { return contact.point == found.point; });
   };
@@ -211,7 +213,7 @@ TEST_CASE(
     contacts.back().gap = 0;
     contacts.back().turns_back = 3;
   }
-  add_surface_contacts(block.step, block.model.rest_positions, block.near, 0, contacts);
+  add_surface_contacts(block.step, LastApart(block.model.rest_positions), block.near, 0, contacts);
   CHECK(std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
     return contact.point == found.point && contact.normal == found.normal && contact.gap == found.gap;
   }));

@@ -24,7 +24,7 @@ struct Resting {
   // every seventh hex is `stiffer` times as stiff, and one more
   explicit Resting(const std::vector<RankOneTerm>& terms = {}, double stiffer = 0) {
     const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
-    add_contacts(problem.contact, pushed_in, pushed_in, 0, contacts);
+    add_contacts(problem.contact, LastApart(pushed_in), pushed_in, 0, contacts);
     REQUIRE(contacts.size() == 48);
     VectorXd stiffening = VectorXd::Zero(model.num_hexes());
     for (Eigen::Index e = 0; e < stiffening.size(); e += 7) stiffening[e] = stiffer;
