@@ -34,6 +34,14 @@ struct Delassus {
 void extend(const Model& model, const Workspace::Data& workspace, const std::vector<Contact>& contacts,
             Delassus& delassus);
 
+/// Motions of the contacts, 3 #C, where the nodes move by A^-1 b: J A^-1 b from y = L^-1 b (solve_forward()).
+VectorXd contact_motions(const Model& model, const Workspace::Data& workspace, const Delassus& delassus,
+                         const VectorXd& y);
+
+/// y += L^-1 J^T f, for the contacts' forces f (3 #C).
+void add_forces(const Model& model, const Workspace::Data& workspace, const Delassus& delassus, const VectorXd& forces,
+                VectorXd& y);
+
 /// Calls visit(side) for each body that the contact pushes.
 template <class Visit>
 void for_each_side(const Delassus& delassus, int contact, const Visit& visit) {

@@ -16,28 +16,20 @@ constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 
-// motions of contacts [m] during the step, if they did not push: so far and by the free step; and their rows
-ContactRows free_rows(const StepProblem& problem, const Iterate& iterate, const VectorXd& free_step) {
-  ContactRows contacts = contact_rows(problem, iterate.positions, iterate.contacts);
-  for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
-    contacts.motions.segment<3>(3 * Eigen::Index(i)) += contact_motion(*problem.model, iterate.contacts[i], free_step);
-  return contacts;
-}
-
 // Do bodies that may touch still move so far that their contacts will be others in the next iteration? Forces that were
 // found to many digits are of no use then, nor is a look at what the step would push into what.
 bool is_rough(const StepProblem& problem, const Iterate& iterate) {
   return iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
 }
 
-// dx = -A^-1 grad + A^-1 J^T f; vertices that dx would push in too deep join the working set against the same factor
+// dx = L^-T (-L^-1 grad + L^-1 J^T f), of which L^-1 J^T makes the contacts' compliance too; vertices that dx would push in too deep join the working set against the same factor
 VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace, const VectorXd& grad,
                     Iterate& iterate, StepReport& report) {
   const Model& model = *problem.model;
   const SolverOptions& solver = problem.options->solver;
-  VectorXd free_step = -grad;
-  solve(model, workspace, free_step);
-  VectorXd step = free_step;
+  VectorXd free = -grad;  // half of the step without contact forces
+  solve_forward(model, workspace, free);
+  VectorXd step;
   Delassus delassus;
   const bool rough = is_rough(problem, iterate);
   const GaussSeidelOptions sweeps{.max_sweeps = rough ? solver.max_sweeps / 10 : solver.max_sweeps,
@@ -45,21 +37,19 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
                                   .is_rough = rough};
   for (int round = 0; round < max_contact_rounds; ++round) {
     extend(model, workspace, iterate.contacts, delassus);
+    step = free;
     if (!iterate.contacts.empty()) {
       VectorXd force(3 * Eigen::Index(iterate.contacts.size()));
       for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
         force.segment<3>(3 * Eigen::Index(i)) = iterate.contacts[i].force;
-      const auto [rows, motions] = free_rows(problem, iterate, free_step);
+      auto [rows, motions] = contact_rows(problem, iterate.positions, iterate.contacts);
+      motions += contact_motions(model, workspace, delassus, free);  // if they did not push
       report.linear_iterations += solve_contacts(delassus, rows, motions, sweeps, force).sweeps;
-      VectorXd push = VectorXd::Zero(step.size());
-      for (std::size_t i = 0; i < iterate.contacts.size(); ++i) {
+      for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
         iterate.contacts[i].force = force.segment<3>(3 * Eigen::Index(i));
-        spread(model, iterate.contacts[i], force.segment<3>(3 * Eigen::Index(i)), push);
-      }
-      clear_fixed(model, push);
-      solve(model, workspace, push);
-      step = free_step + push;
+      add_forces(model, workspace, delassus, force, step);
     }
+    solve_backward(model, workspace, step);
     if (add_linearised_contacts(problem, step, !rough && round < max_surface_rounds, iterate) == 0) break;
   }
   return step;

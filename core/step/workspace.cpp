@@ -34,6 +34,22 @@ void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
   });
 }
 
+void solve_forward(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
+  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
+    const Model::BodyRange& body = model.bodies[std::size_t(b)];
+    auto part = x.segment(3 * body.first_node, 3 * body.num_nodes);
+    part = workspace.bodies[std::size_t(b)].cholesky.solve_forward(part);
+  });
+}
+
+void solve_backward(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
+  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
+    const Model::BodyRange& body = model.bodies[std::size_t(b)];
+    auto part = x.segment(3 * body.first_node, 3 * body.num_nodes);
+    part = workspace.bodies[std::size_t(b)].cholesky.solve_backward(part);
+  });
+}
+
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace) {
   if (!workspace.multigrid) workspace.multigrid = make_multigrid_system(model);
   return *workspace.multigrid;

@@ -52,6 +52,10 @@ void eliminate_last(const Model& model, int body, const std::vector<int>& nodes,
 /// x becomes A^-1 x, body by body: 3 #N.
 void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x);
 
+/// The two halves of that: x becomes L^-1 x, each body's unknowns in elimination order; and L^-T x from there.
+void solve_forward(const Model& model, const Workspace::Data& workspace, VectorXd& x);
+void solve_backward(const Model& model, const Workspace::Data& workspace, VectorXd& x);
+
 /// The multigrids of the model's bodies.
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace);
 

@@ -137,6 +137,21 @@ TEST_CASE("half columns of forces at a few nodes multiply to what the inverse sa
   MatrixXd W(count, count);
   W << products(one), products(one, two), products(two, one), products(two);
   CHECK((W - compliance).norm() <= 1e-12 * compliance.norm());
+  // and with what reaches every unknown, as halves of a solve
+  const auto numbers = [&](Eigen::Index size) -> VectorXd {
+    return VectorXd::NullaryExpr(size, [&](Eigen::Index) { return random.uniform(-1, 1); });
+  };
+  const VectorXd full = numbers(matrix.num_unknowns()), half = cholesky.solve_forward(full);
+  VectorXd whole = full;
+  cholesky.solve(whole);
+  CHECK((cholesky.solve_backward(half) - whole).norm() <= 1e-14 * whole.norm());
+  VectorXd by_columns(count), forces = numbers(count), sum = half;
+  by_columns << products(cholesky.columns(), one, half), products(cholesky.columns(), two, half);
+  CHECK((by_columns - b.transpose() * whole).norm() <= 1e-12 * by_columns.norm());
+  add_columns(cholesky.columns(), one, forces.head(num_first), sum);
+  add_columns(cholesky.columns(), two, forces.tail(count - num_first), sum);
+  whole += solved * forces;
+  CHECK((cholesky.solve_backward(sum) - whole).norm() <= 1e-12 * whole.norm());
   Eigen::Index held = 0, all = 0;  // columns do not reach everything
   for (const HalfColumns::Group& group : one.groups) held += group.values.size();
   for (int s = 0; s < cholesky.columns().num_groups; ++s)

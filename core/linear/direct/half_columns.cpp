@@ -91,4 +91,27 @@ MatrixXd products(const HalfColumns& a) {
   return sum;
 }
 
+VectorXd products(const SupernodalView& factor, const HalfColumns& half, const Eigen::Ref<const VectorXd>& y) {
+  VectorXd sum = VectorXd::Zero(half.count);
+  for (std::size_t s = 0; s < half.groups.size(); ++s) {
+    const HalfColumns::Group& group = half.groups[s];
+    if (group.columns.empty()) continue;
+    const VectorXd part = group.values.transpose() * y.segment(factor.starts[s], group.values.rows());
+    for (Eigen::Index j = 0; j < part.size(); ++j) sum[group.columns[j]] += part[j];
+  }
+  return sum;
+}
+
+void add_columns(const SupernodalView& factor, const HalfColumns& half, const Eigen::Ref<const VectorXd>& f,
+                 Eigen::Ref<VectorXd> y) {
+  VectorXd part;
+  for (std::size_t s = 0; s < half.groups.size(); ++s) {
+    const HalfColumns::Group& group = half.groups[s];
+    if (group.columns.empty()) continue;
+    part.resize(Eigen::Index(group.columns.size()));
+    for (Eigen::Index j = 0; j < part.size(); ++j) part[j] = f[group.columns[j]];
+    y.segment(factor.starts[s], group.values.rows()).noalias() += group.values * part;
+  }
+}
+
 }  // namespace umax

@@ -44,4 +44,11 @@ MatrixXd products(const HalfColumns& a, const HalfColumns& b);
 /// The same of one with itself, at half the cost.
 MatrixXd products(const HalfColumns& a);
 
+/// z_i . y for a y = L^-1 b that is full: #z. factor: what half_solve() was given.
+VectorXd products(const SupernodalView& factor, const HalfColumns& half, const Eigen::Ref<const VectorXd>& y);
+
+/// y += sum_i f_i z_i, for one number a column.
+void add_columns(const SupernodalView& factor, const HalfColumns& half, const Eigen::Ref<const VectorXd>& f,
+                 Eigen::Ref<VectorXd> y);
+
 }  // namespace umax

@@ -202,6 +202,8 @@ struct SparseCholesky::Data {
     cholmod_free_factor(&factor, &common);
     cholmod_finish(&common);
   }
+  // of columns in elimination order: by L L^T, L or L^T (CHOLMOD_A, _L, _Lt); valid until the next one
+  Eigen::Map<const MatrixXd> solve(int system, MatrixXd& ordered);
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
 };
@@ -241,12 +243,26 @@ SupernodalView SparseCholesky::columns() const {
           static_cast<const double*>(factor.x)};
 }
 
-void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
-  if (columns.cols() == 0) return;
+namespace {
+
+// node by node from their own order into that of elimination, and back
+MatrixXd in_elimination_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& columns) {
   MatrixXd ordered(columns.rows(), columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    for (std::size_t rank = 0; rank < data_->order.size(); ++rank)
-      ordered.col(c).segment<3>(3 * Eigen::Index(rank)) = columns.col(c).segment<3>(3 * data_->order[rank]);
+    for (std::size_t rank = 0; rank < order.size(); ++rank)
+      ordered.col(c).segment<3>(3 * Eigen::Index(rank)) = columns.col(c).segment<3>(3 * order[rank]);
+  return ordered;
+}
+void into_own_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& ordered,
+                    Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) {
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (std::size_t rank = 0; rank < order.size(); ++rank)
+      columns.col(c).segment<3>(3 * order[rank]) = ordered.col(c).segment<3>(3 * Eigen::Index(rank));
+}
+
+}  // namespace
+
+Eigen::Map<const MatrixXd> SparseCholesky::Data::solve(int system, MatrixXd& ordered) {
   cholmod_dense view{};
   view.nrow = std::size_t(ordered.rows());
   view.ncol = std::size_t(ordered.cols());
@@ -257,14 +273,27 @@ void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns
   view.dtype = CHOLMOD_DOUBLE;
   const SerialOpenMp serial;
   const OneBlasThread one_thread;
-  if (!cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &data_->solution, nullptr, &data_->work_y,
-                      &data_->work_e, &data_->common))
+  if (!cholmod_solve2(system, factor, &view, nullptr, &solution, nullptr, &work_y, &work_e, &common))
     throw std::runtime_error("the sparse solver failed to solve with its factor");
-  const Eigen::Map<const MatrixXd> solution(static_cast<const double*>(data_->solution->x), columns.rows(),
-                                            columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    for (std::size_t rank = 0; rank < data_->order.size(); ++rank)
-      columns.col(c).segment<3>(3 * data_->order[rank]) = solution.col(c).segment<3>(3 * Eigen::Index(rank));
+  return {static_cast<const double*>(solution->x), ordered.rows(), ordered.cols()};
+}
+
+void SparseCholesky::solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const {
+  if (columns.cols() == 0) return;
+  MatrixXd ordered = in_elimination_order(data_->order, columns);
+  into_own_order(data_->order, data_->solve(CHOLMOD_A, ordered), columns);
+}
+
+VectorXd SparseCholesky::solve_forward(const VectorXd& b) const {
+  MatrixXd ordered = in_elimination_order(data_->order, b);
+  return data_->solve(CHOLMOD_L, ordered);
+}
+
+VectorXd SparseCholesky::solve_backward(const VectorXd& y) const {
+  MatrixXd ordered = y;
+  VectorXd x(y.size());
+  into_own_order(data_->order, data_->solve(CHOLMOD_Lt, ordered), x);
+  return x;
 }
 
 }  // namespace umax

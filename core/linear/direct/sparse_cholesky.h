@@ -32,13 +32,17 @@ class SparseCholesky {
   /// Overwrites each column b (3 #N) with A^-1 b. Columns are solved together (level-3 BLAS).
   void solve(Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) const;
 
+  /// The two halves of that for one column: y = L^-1 b (3 #N), in elimination order as columns() says, and L^-T y.
+  VectorXd solve_forward(const VectorXd& b) const;
+  VectorXd solve_backward(const VectorXd& y) const;
+
   /// The factor L by its groups of columns, for half_solve() of sparse right-hand sides: rows stand in elimination order,
   /// 3 SystemMatrix::ranks[node] + axis. Valid until the next factorisation.
   SupernodalView columns() const;
 
  private:
-  void analyse(const SystemMatrix& matrix);
   struct Data;
+  void analyse(const SystemMatrix& matrix);
   std::unique_ptr<Data> data_;
 };
 
