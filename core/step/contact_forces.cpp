@@ -43,8 +43,8 @@ ForceChanges sweep(const ContactProblem& problem, ContactState& state) {
 // anything that moves changes with them. Changes df that move their body by dw = W df are measured by the energy df . dw,
 // which is that of the nodes' forces, beside that of all contact forces on the body.
 bool moves_nothing(const ContactProblem& problem, const ContactState& before, const ContactState& now, double share) {
-  const std::vector<VectorXd> change = at_points(problem, now.forces - before.forces),
-                              all = at_points(problem, now.forces);
+  const std::vector<VectorXd> change = at_points(problem.delassus, now.forces - before.forces),
+                              all = at_points(problem.delassus, now.forces);
   for (std::size_t b = 0; b < all.size(); ++b)
     if (change[b].dot(now.motions[b] - before.motions[b]) >
         share * share * all[b].dot(now.motions[b] - problem.free_motions[b]))

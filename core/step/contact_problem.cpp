@@ -11,20 +11,9 @@ ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<
   return problem;
 }
 
-std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces) {
-  const Delassus& delassus = problem.delassus;
-  std::vector<VectorXd> on(delassus.bodies.size());
-  for (std::size_t b = 0; b < on.size(); ++b) on[b].setZero(delassus.bodies[b].W.rows());
-  for (int i = 0; i < problem.count(); ++i)
-    for_each_side(delassus, i, [&](const Delassus::Side& side) {
-      on[side.body].segment<3>(3 * side.point) = side.sign * forces.segment<3>(3 * i);
-    });
-  return on;
-}
-
 std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces) {
   const Delassus& delassus = problem.delassus;
-  std::vector<VectorXd> motions = at_points(problem, forces);
+  std::vector<VectorXd> motions = at_points(problem.delassus, forces);
   for (std::size_t b = 0; b < motions.size(); ++b) motions[b] = delassus.bodies[b].W * motions[b];
   for (int i = 0; i < problem.count(); ++i) {
     const Delassus::Side& side = delassus.sides[delassus.first_side[i]];

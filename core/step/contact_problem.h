@@ -28,9 +28,6 @@ struct ContactProblem {
 ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<ContactRow>& contacts,
                                     const VectorXd& q);
 
-/// What contacts' forces (3 #C) are at the points of each body.
-std::vector<VectorXd> at_points(const ContactProblem& problem, const VectorXd& forces);
-
 /// The motions of all points under the forces, with the q of contacts at their first points.
 std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces);
 

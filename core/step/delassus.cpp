@@ -58,13 +58,23 @@ void extend(const Model& model, const Workspace::Data& workspace, const std::vec
   });
 }
 
+std::vector<VectorXd> at_points(const Delassus& delassus, const VectorXd& forces) {
+  std::vector<VectorXd> on(delassus.bodies.size());
+  for (std::size_t b = 0; b < on.size(); ++b) on[b].setZero(delassus.bodies[b].W.rows());
+  for (int i = 0; i + 1 < int(delassus.first_side.size()); ++i)
+    for_each_side(delassus, i, [&](const Delassus::Side& side) {
+      on[std::size_t(side.body)].segment<3>(3 * side.point) = side.sign * forces.segment<3>(3 * i);
+    });
+  return on;
+}
+
 VectorXd contact_motions(const Model& model, const Workspace::Data& workspace, const Delassus& delassus,
                          const VectorXd& y) {
-  std::vector<VectorXd> at_points(delassus.bodies.size());
-  parallel_blocks(Eigen::Index(at_points.size()), 1, [&](Eigen::Index b, Eigen::Index) {
+  std::vector<VectorXd> of_points(delassus.bodies.size());
+  parallel_blocks(Eigen::Index(of_points.size()), 1, [&](Eigen::Index b, Eigen::Index) {
     const Model::BodyRange& body = model.bodies[std::size_t(b)];
     const BodyDelassus& of_body = delassus.bodies[std::size_t(b)];
-    VectorXd& motions = at_points[std::size_t(b)];
+    VectorXd& motions = of_points[std::size_t(b)];
     motions.resize(3 * Eigen::Index(of_body.points.size()));
     Eigen::Index first = 0;
     for (const HalfColumns& half : of_body.halves) {
@@ -77,28 +87,20 @@ VectorXd contact_motions(const Model& model, const Workspace::Data& workspace, c
   VectorXd motions = VectorXd::Zero(3 * count);
   for (Eigen::Index i = 0; i < count; ++i)
     for_each_side(delassus, int(i), [&](const Delassus::Side& side) {
-      motions.segment<3>(3 * i) += side.sign * at_points[std::size_t(side.body)].segment<3>(3 * side.point);
+      motions.segment<3>(3 * i) += side.sign * of_points[std::size_t(side.body)].segment<3>(3 * side.point);
     });
   return motions;
 }
 
 void add_forces(const Model& model, const Workspace::Data& workspace, const Delassus& delassus, const VectorXd& forces,
                 VectorXd& y) {
-  std::vector<VectorXd> at_points(delassus.bodies.size());
-  for (std::size_t b = 0; b < at_points.size(); ++b)
-    at_points[b] = VectorXd::Zero(3 * Eigen::Index(delassus.bodies[b].points.size()));
-  const auto count = Eigen::Index(delassus.first_side.size()) - 1;
-  for (Eigen::Index i = 0; i < count; ++i)
-    for_each_side(delassus, int(i), [&](const Delassus::Side& side) {
-      at_points[std::size_t(side.body)].segment<3>(3 * side.point) += side.sign * forces.segment<3>(3 * i);
-    });
-  parallel_blocks(Eigen::Index(at_points.size()), 1, [&](Eigen::Index b, Eigen::Index) {
+  const std::vector<VectorXd> on = at_points(delassus, forces);
+  parallel_blocks(Eigen::Index(on.size()), 1, [&](Eigen::Index b, Eigen::Index) {
     const Model::BodyRange& body = model.bodies[std::size_t(b)];
     Eigen::Index first = 0;
     for (const HalfColumns& half : delassus.bodies[std::size_t(b)].halves) {
       add_columns(workspace.bodies[std::size_t(b)].cholesky.columns(), half,
-                  at_points[std::size_t(b)].segment(first, half.count),
-                  y.segment(3 * body.first_node, 3 * body.num_nodes));
+                  on[std::size_t(b)].segment(first, half.count), y.segment(3 * body.first_node, 3 * body.num_nodes));
       first += half.count;
     }
   });

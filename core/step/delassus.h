@@ -34,6 +34,9 @@ struct Delassus {
 void extend(const Model& model, const Workspace::Data& workspace, const std::vector<Contact>& contacts,
             Delassus& delassus);
 
+/// What contacts' forces (3 #C) are at the points of each body.
+std::vector<VectorXd> at_points(const Delassus& delassus, const VectorXd& forces);
+
 /// Motions of the contacts, 3 #C, where the nodes move by A^-1 b: J A^-1 b from y = L^-1 b (solve_forward()).
 VectorXd contact_motions(const Model& model, const Workspace::Data& workspace, const Delassus& delassus,
                          const VectorXd& y);

@@ -22,7 +22,8 @@ bool is_rough(const StepProblem& problem, const Iterate& iterate) {
   return iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
 }
 
-// dx = L^-T (-L^-1 grad + L^-1 J^T f), of which L^-1 J^T makes the contacts' compliance too; vertices that dx would push in too deep join the working set against the same factor
+// dx = L^-T (-L^-1 grad + L^-1 J^T f), with the L^-1 J^T of which the contacts' compliance is made; vertices that dx would
+// push in too deep join the working set against the same factor
 VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace, const VectorXd& grad,
                     Iterate& iterate, StepReport& report) {
   const Model& model = *problem.model;

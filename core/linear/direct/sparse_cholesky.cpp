@@ -97,6 +97,21 @@ cholmod_sparse lower_triangle(const SystemMatrix& matrix) {
                         matrix.row_indices.data(), matrix.values.data());
 }
 
+// node by node from their own order into that of elimination, and back
+MatrixXd in_elimination_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& columns) {
+  MatrixXd ordered(columns.rows(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (std::size_t rank = 0; rank < order.size(); ++rank)
+      ordered.col(c).segment<3>(3 * Eigen::Index(rank)) = columns.col(c).segment<3>(3 * order[rank]);
+  return ordered;
+}
+void into_own_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& ordered,
+                    Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) {
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (std::size_t rank = 0; rank < order.size(); ++rank)
+      columns.col(c).segment<3>(3 * order[rank]) = ordered.col(c).segment<3>(3 * Eigen::Index(rank));
+}
+
 }  // namespace
 
 std::vector<int> elimination_order(const Hexes& hexes, Eigen::Index num_nodes, const std::vector<int>& last) {
@@ -242,25 +257,6 @@ SupernodalView SparseCholesky::columns() const {
           static_cast<const int*>(factor.s),
           static_cast<const double*>(factor.x)};
 }
-
-namespace {
-
-// node by node from their own order into that of elimination, and back
-MatrixXd in_elimination_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& columns) {
-  MatrixXd ordered(columns.rows(), columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    for (std::size_t rank = 0; rank < order.size(); ++rank)
-      ordered.col(c).segment<3>(3 * Eigen::Index(rank)) = columns.col(c).segment<3>(3 * order[rank]);
-  return ordered;
-}
-void into_own_order(const std::vector<int>& order, const Eigen::Ref<const MatrixXd>& ordered,
-                    Eigen::Ref<MatrixXd, 0, Eigen::OuterStride<>> columns) {
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    for (std::size_t rank = 0; rank < order.size(); ++rank)
-      columns.col(c).segment<3>(3 * order[rank]) = ordered.col(c).segment<3>(3 * Eigen::Index(rank));
-}
-
-}  // namespace
 
 Eigen::Map<const MatrixXd> SparseCholesky::Data::solve(int system, MatrixXd& ordered) {
   cholmod_dense view{};

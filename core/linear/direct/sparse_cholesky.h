@@ -41,8 +41,8 @@ class SparseCholesky {
   SupernodalView columns() const;
 
  private:
-  struct Data;
   void analyse(const SystemMatrix& matrix);
+  struct Data;
   std::unique_ptr<Data> data_;
 };
 
