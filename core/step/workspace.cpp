@@ -4,6 +4,19 @@
 
 namespace umax {
 
+namespace {
+
+// Calls visit(factor, the body's part of x) for each body, several at a time.
+template <class Visit>
+void for_each_body(const Model& model, const Workspace::Data& workspace, VectorXd& x, const Visit& visit) {
+  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
+    const Model::BodyRange& body = model.bodies[std::size_t(b)];
+    visit(workspace.bodies[std::size_t(b)].cholesky, x.segment(3 * body.first_node, 3 * body.num_nodes));
+  });
+}
+
+}  // namespace
+
 Workspace::Data::Data() = default;
 Workspace::Data::Data(Data&&) noexcept = default;
 Workspace::Data& Workspace::Data::operator=(Data&&) noexcept = default;
@@ -28,26 +41,17 @@ void eliminate_last(const Model& model, int body, const std::vector<int>& nodes,
 }
 
 void solve(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
-  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
-    const Model::BodyRange& body = model.bodies[std::size_t(b)];
-    workspace.bodies[std::size_t(b)].cholesky.solve(x.segment(3 * body.first_node, 3 * body.num_nodes));
-  });
+  for_each_body(model, workspace, x, [](const SparseCholesky& factor, auto part) { factor.solve(part); });
 }
 
 void solve_forward(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
-  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
-    const Model::BodyRange& body = model.bodies[std::size_t(b)];
-    auto part = x.segment(3 * body.first_node, 3 * body.num_nodes);
-    part = workspace.bodies[std::size_t(b)].cholesky.solve_forward(part);
-  });
+  for_each_body(model, workspace, x,
+                [](const SparseCholesky& factor, auto part) { part = factor.solve_forward(part); });
 }
 
 void solve_backward(const Model& model, const Workspace::Data& workspace, VectorXd& x) {
-  for_each_solve(Eigen::Index(model.bodies.size()), [&](Eigen::Index b) {
-    const Model::BodyRange& body = model.bodies[std::size_t(b)];
-    auto part = x.segment(3 * body.first_node, 3 * body.num_nodes);
-    part = workspace.bodies[std::size_t(b)].cholesky.solve_backward(part);
-  });
+  for_each_body(model, workspace, x,
+                [](const SparseCholesky& factor, auto part) { part = factor.solve_backward(part); });
 }
 
 MultigridSystem& multigrid_system(const Model& model, Workspace::Data& workspace) {
