@@ -30,9 +30,10 @@ struct ComplementarityProblem {
 };
 
 struct GaussSeidelOptions {
-  int max_sweeps = 2000;    // raising it costs time on ill-conditioned problems, helps nothing else
-  double tolerance = 1e-6;  // [-] a sweep's largest change relative to the largest unknown of its kind
-  bool is_rough = false;    // of many contacts forces near the solution will do: sweeps alone
+  int max_sweeps = 2000;       // raising it costs time on ill-conditioned problems, helps nothing else
+  double tolerance = 1e-6;     // [-] a sweep's largest change relative to the largest unknown of its kind
+  bool is_rough = false;       // of many contacts forces near the solution will do: sweeps alone
+  double proximal_weight = 0;  // [-] solve_contacts() alone: holds forces near those that it is given
 };
 
 struct GaussSeidelResult {

@@ -171,7 +171,7 @@ void settle_in_part(const ContactProblem& problem, const GaussSeidelOptions& opt
 
 GaussSeidelResult solve_contacts(const Delassus& delassus, const std::vector<ContactRow>& contacts, const VectorXd& q,
                                  const GaussSeidelOptions& options, VectorXd& forces) {
-  const ContactProblem problem = make_contact_problem(delassus, contacts, q);
+  const ContactProblem problem = make_contact_problem(delassus, contacts, q, {forces, options.proximal_weight});
   ContactState state{forces, motions_of(problem, forces)};
   Course course;
   if (problem.count() > few)

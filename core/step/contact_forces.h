@@ -10,6 +10,15 @@
 // Of many contacts most do not push: sweeps go over those that do, or have to (core/step/contact_part.h), and looks at all others
 // now and then tell which have to join.
 //
+// Contacts that are nearly the same, as vertices of two hexes at one place, pass what they bear together to and fro, a little in
+// each sweep, for ten thousand sweeps and more; Newton's matrix is nearly singular there. A proximal term (Rockafellar 1976,
+// Monotone operators and the proximal point algorithm) holds forces near those of the iteration before,
+//
+// w + weight k (f - f_before)   in place of   w
+//
+// and ends that. What it changes of the motions is a thousandth of what is left of the iteration around it, and vanishes
+// where that ends.
+//
 // Natural map   n: f_n - max(0, f_n - (w_n + b) / k_n);   t: f_t - disc(f_t - w_t / k_t; mu f_n)
 //
 // f, w: force [N] and motion [m], n and t their normal and tangential parts;  b: bias [m];  k: compliance of the contact

@@ -55,8 +55,11 @@ Matrix3d rows_of(const Pushing& to, const Matrix3d& motions) {
   return rows;
 }
 
-// and what its own force adds to them where it slides
-void add_own(const Pushing& to, const ContactRow& contact, const ContactBlock& own, Eigen::Ref<Matrix3d> rows) {
+// and what its own force adds to them: by the proximal term, and where it slides
+void add_own(const ContactProblem& problem, const Pushing& to, Eigen::Ref<Matrix3d> rows) {
+  const ContactRow& contact = problem.contacts[std::size_t(to.contact)];
+  const ContactBlock& own = problem.blocks[std::size_t(to.contact)];
+  rows += rows_of(to, problem.gives[std::size_t(to.contact)] * Matrix3d::Identity());
   rows(0, 0) += kept_compliance * own.normal_stiffness;
   if (!to.slides) {
     rows.bottomRightCorner<2, 2>().diagonal().array() += kept_compliance * own.friction_stiffness;
@@ -105,7 +108,7 @@ MatrixXd newton_matrix(const ContactProblem& problem, const std::vector<Pushing>
       M.block<3, 3>(3 * i, 3 * j) =
           rows_of(to, to.frame.transpose() * compliance(problem.delassus, to.contact, from.contact) * from.frame);
     }
-    add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], M.block<3, 3>(3 * i, 3 * i));
+    add_own(problem, to, M.block<3, 3>(3 * i, 3 * i));
   }
   return M;
 }
@@ -136,7 +139,7 @@ Eigen::SparseMatrix<double> sparse_newton_matrix(const ContactProblem& problem, 
       }
     });
     Matrix3d own = Matrix3d::Zero();
-    add_own(to, problem.contacts[to.contact], problem.blocks[to.contact], own);
+    add_own(problem, to, own);
     add(int(i), int(i), own);
   }
   const auto size = 3 * Eigen::Index(pushing.size());

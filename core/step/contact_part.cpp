@@ -28,7 +28,9 @@ std::vector<ContactRow> rows_of(const std::vector<ContactRow>& all, const std::v
   return rows;
 }
 
+// of three values for each contact, or of none
 VectorXd parts_of(const VectorXd& all, const std::vector<int>& contacts) {
+  if (all.size() == 0) return {};
   VectorXd some(3 * Eigen::Index(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i)
     some.segment<3>(3 * Eigen::Index(i)) = all.segment<3>(3 * Eigen::Index(contacts[i]));
@@ -43,7 +45,8 @@ ContactPart::ContactPart(const ContactProblem& all, std::vector<int> contacts)
       delassus_(delassus_of(all.delassus, contacts_)),
       rows_(rows_of(all.contacts, contacts_)),
       q_(parts_of(all.q, contacts_)),
-      problem_(make_contact_problem(delassus_, rows_, q_)) {}
+      problem_(make_contact_problem(delassus_, rows_, q_,
+                                    {parts_of(all.proximal.centre, contacts_), all.proximal.weight})) {}
 
 ContactState ContactPart::state_of(const ContactState& all) const {
   const VectorXd forces = parts_of(all.forces, contacts_);

@@ -1,12 +1,19 @@
 #include "core/step/contact_problem.h"
 
+#include <utility>
+
 namespace umax {
 
 ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<ContactRow>& contacts,
-                                    const VectorXd& q) {
-  ContactProblem problem{.delassus = delassus, .contacts = contacts, .q = q, .blocks = {}};
-  for (int i = 0; i < problem.count(); ++i)
-    problem.blocks.push_back(make_contact_block(compliance(delassus, i, i), contacts[std::size_t(i)].normal));
+                                    const VectorXd& q, ProximalTerm proximal) {
+  ContactProblem problem{
+      .delassus = delassus, .contacts = contacts, .q = q, .proximal = std::move(proximal), .gives = {}, .blocks = {}};
+  for (int i = 0; i < problem.count(); ++i) {
+    const Matrix3d own = compliance(delassus, i, i);
+    const Vector3d& normal = contacts[std::size_t(i)].normal;
+    problem.gives.push_back(problem.proximal.weight * normal.dot(own * normal));
+    problem.blocks.push_back(make_contact_block(own + problem.gives.back() * Matrix3d::Identity(), normal));
+  }
   problem.free_motions = motions_of(problem, VectorXd::Zero(q.size()));
   return problem;
 }
@@ -27,6 +34,8 @@ Vector3d motion_of(const ContactProblem& problem, const ContactState& state, int
   for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
     w += side.sign * state.motions[side.body].segment<3>(3 * side.point);
   });
+  const double give = problem.gives[std::size_t(contact)];
+  if (give > 0) w += give * (state.forces.segment<3>(3 * contact) - problem.proximal.centre.segment<3>(3 * contact));
   return w;
 }
 

@@ -11,15 +11,25 @@ namespace {
 constexpr int max_contact_rounds = 10;        // detections per factorisation
 constexpr int max_surface_rounds = 1;         // of these, at surfaces of bodies too: the next iteration looks again
 constexpr double rough_move = 0.05;           // [cells] in the last iteration
+constexpr double most_held = 1e-3;            // [-] of contacts' compliance: 1e-2 makes more iterations
 constexpr int reordering_nodes = 1500;        // of a cage: fewer are not worth it
 constexpr double reordering_margin = 1;       // [cells]
 constexpr double most_reordered_share = 0.2;  // of the nodes, and no more than
 constexpr double most_reordered = 800;        // nodes: their part of the factor is dense
 
+bool bodies_may_touch(const StepProblem& problem) {
+  return problem.contact.geometry->touchable.any();
+}
+
 // Do bodies that may touch still move so far that their contacts will be others in the next iteration? Forces that were
 // found to many digits are of no use then, nor is a look at what the step would push into what.
 bool is_rough(const StepProblem& problem, const Iterate& iterate) {
-  return iterate.last_move > rough_move && problem.contact.geometry->touchable.any();
+  return iterate.last_move > rough_move && bodies_may_touch(problem);
+}
+
+// Forces that are shared otherwise move nodes by no more than the tolerance's share of what is left.
+double proximal_weight(const StepProblem& problem) {
+  return bodies_may_touch(problem) ? std::min(most_held, problem.options->solver.tolerance) : 0;
 }
 
 // dx = L^-T (-L^-1 grad + L^-1 J^T f), with the L^-1 J^T of which the contacts' compliance is made; vertices that dx would
@@ -35,7 +45,8 @@ VectorXd solve_step(const StepProblem& problem, const Workspace::Data& workspace
   const bool rough = is_rough(problem, iterate);
   const GaussSeidelOptions sweeps{.max_sweeps = rough ? solver.max_sweeps / 10 : solver.max_sweeps,
                                   .tolerance = std::min(1e-6, 1e-2 * solver.tolerance),
-                                  .is_rough = rough};
+                                  .is_rough = rough,
+                                  .proximal_weight = proximal_weight(problem)};
   for (int round = 0; round < max_contact_rounds; ++round) {
     extend(model, workspace, iterate.contacts, delassus);
     step = free;

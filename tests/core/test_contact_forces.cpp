@@ -186,3 +186,39 @@ TEST_CASE("forces that are right stay as they are") {
   CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, {.tolerance = 1e-9}, forces).sweeps == 1);
   CHECK((forces - before).norm() <= 1e-9 * before.norm());
 }
+
+TEST_CASE("contacts at one place go on sharing what they bear as they did before, if their forces are held") {
+  // two without friction, on one body: either bears all as well as both do
+  Sample sample{{}, {{}, {}}, VectorXd(6)};
+  BodyDelassus body;
+  body.points.resize(2);
+  body.W = Matrix3d::Identity().replicate(2, 2);
+  sample.delassus.bodies.push_back(body);
+  for (const int i : {0, 1}) {
+    sample.delassus.sides.push_back({0, i, 1});
+    sample.delassus.first_side.push_back(i + 1);
+    sample.q.segment<3>(3 * i) = Vector3d(0, -14, 0);
+  }
+  VectorXd forces = VectorXd::Zero(6);
+  forces[1] = 10, forces[4] = 2;
+  const GaussSeidelOptions held{.max_sweeps = 2000, .tolerance = 1e-12, .proximal_weight = 1e-3};
+  CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, held, forces).converged);
+  CHECK(forces[1] - forces[4] == Approx(8).epsilon(1e-6));
+  CHECK(forces[1] + forces[4] == Approx(14).epsilon(1e-3));
+}
+
+TEST_CASE("held forces become those of free ones, as they are held near the ones that were found before") {
+  const bool is_many = GENERATE(false, true);  // one body after the other: Newton's matrix is sparse
+  const Sample sample = is_many ? random_sample(3, 5, 0.9, 0.1, 301) : random_sample(2, 24, 0.9);
+  const GaussSeidelOptions held{.max_sweeps = 2000, .tolerance = 1e-10, .proximal_weight = 1e-3};
+  VectorXd forces = VectorXd::Zero(sample.q.size());
+  std::vector<double> left;
+  for (int time = 0; time < 4; ++time) {
+    CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, held, forces).converged);
+    left.push_back(violation(sample, forces));
+  }
+  CAPTURE(is_many, left);
+  CHECK(left[0] > 1e-5);
+  CHECK(left[1] < 0.1 * left[0]);
+  CHECK(left[3] < 1e-5);
+}
