@@ -16,7 +16,7 @@
 //
 // w + weight k (f - f_before)   in place of   w
 //
-// and ends that. What it changes of the motions is a thousandth of what is left of the iteration around it, and vanishes
+// and ends that. What it hides of the motions is a share `weight` of what the iteration around it still changes, and vanishes
 // where that ends.
 //
 // Natural map   n: f_n - max(0, f_n - (w_n + b) / k_n);   t: f_t - disc(f_t - w_t / k_t; mu f_n)

@@ -28,9 +28,7 @@ std::vector<ContactRow> rows_of(const std::vector<ContactRow>& all, const std::v
   return rows;
 }
 
-// of three values for each contact, or of none
 VectorXd parts_of(const VectorXd& all, const std::vector<int>& contacts) {
-  if (all.size() == 0) return {};
   VectorXd some(3 * Eigen::Index(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i)
     some.segment<3>(3 * Eigen::Index(i)) = all.segment<3>(3 * Eigen::Index(contacts[i]));

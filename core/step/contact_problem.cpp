@@ -34,9 +34,8 @@ Vector3d motion_of(const ContactProblem& problem, const ContactState& state, int
   for_each_side(problem.delassus, contact, [&](const Delassus::Side& side) {
     w += side.sign * state.motions[side.body].segment<3>(3 * side.point);
   });
-  const double give = problem.gives[std::size_t(contact)];
-  if (give > 0) w += give * (state.forces.segment<3>(3 * contact) - problem.proximal.centre.segment<3>(3 * contact));
-  return w;
+  return w + problem.gives[std::size_t(contact)] *
+                 (state.forces.segment<3>(3 * contact) - problem.proximal.centre.segment<3>(3 * contact));
 }
 
 void count_change(const ContactProblem& problem, int contact, const Vector3d& change, const Vector3d& force,

@@ -17,7 +17,7 @@ struct ContactState {
 /// Holds forces near others: a contact gives way by what its force is off its centre, times `weight` of its own compliance.
 struct ProximalTerm {
   VectorXd centre;    // 3 #C [N]
-  double weight = 0;  // [-]
+  double weight = 0;  // [-] 0: forces are free
 };
 
 /// q: 3 #C [m] motions without forces.
@@ -34,7 +34,7 @@ struct ContactProblem {
 
 /// The problem; as long as what it refers to.
 ContactProblem make_contact_problem(const Delassus& delassus, const std::vector<ContactRow>& contacts,
-                                    const VectorXd& q, ProximalTerm proximal = {});
+                                    const VectorXd& q, ProximalTerm proximal);
 
 /// The motions of all points under the forces as bodies give way, with the q of contacts at their first points.
 std::vector<VectorXd> motions_of(const ContactProblem& problem, const VectorXd& forces);

@@ -27,8 +27,7 @@ bool is_rough(const StepProblem& problem, const Iterate& iterate) {
   return iterate.last_move > rough_move && bodies_may_touch(problem);
 }
 
-// How firmly contact forces are held near those before: what that hides of a motion is this share of what the iteration still
-// changes, and no more than the tolerance.
+// of contact forces: no more than the tolerance, which what it hides must not pass
 double proximal_weight(const StepProblem& problem) {
   return bodies_may_touch(problem) ? std::min(most_held, problem.options->solver.tolerance) : 0;
 }

@@ -139,7 +139,8 @@ TEST_CASE("contacts that do not push are left out of sweeps, until others push t
   CHECK(solve_contacts(sample.delassus, sample.rows, sample.q, options, forces).converged);
   CHECK(violation(sample, forces) < 1e-6);
 
-  const ContactProblem all = make_contact_problem(sample.delassus, sample.rows, sample.q);
+  const ContactProblem all =
+      make_contact_problem(sample.delassus, sample.rows, sample.q, {VectorXd::Zero(sample.q.size()), 0});
   std::vector<int> pushing, joining;
   for (int i = 0; i < all.count(); ++i)
     if (!forces.segment<3>(3 * i).isZero(0)) {
