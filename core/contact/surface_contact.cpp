@@ -54,7 +54,8 @@ bool undoes(const Vector3d& turn, const Vector3d& before) {
 // The contact at its next place, or with its plane there. A vertex that slides to and fro between faces of nearly one plane
 // is held by one of them: gaps now of the one, now of the other would keep it going. So would a look away in between: a
 // fingertip that leaves a limb on one side comes back to it on the other. One that is in a thin part now, come in from its
-// other side, is held on that side: the plane that it had would pull it through.
+// other side, is held on that side: the plane that it had would pull it through. And one that is outside lets go of a plane that
+// would push it in.
 void move_on(const Model& model, const Points& positions, const Contact& next, Contact& contact) {
   const Vector3d turn = contact.normal.isZero(0) ? Vector3d(0, 0, 0) : Vector3d(next.normal - contact.normal);
   if (!keeps_plane(contact) && undoes(turn, contact.turn)) ++contact.turns_back;
@@ -62,7 +63,8 @@ void move_on(const Model& model, const Points& positions, const Contact& next, C
   contact.turn = last_turn;
   const double tolerance = tolerance_depth(model, next);
   const bool came_in_behind = leave_no_room(contact, next) && next.gap < std::min(-tolerance, contact.gap);
-  if (keeps_plane(contact) && next.gap <= nearly_outside * tolerance && !came_in_behind) {
+  const bool is_pushed_in = next.gap > 0 && contact.gap < -tolerance && next.normal.dot(contact.normal) < 0;
+  if (keeps_plane(contact) && next.gap <= nearly_outside * tolerance && !came_in_behind && !is_pushed_in) {
     keep_at_vertex(model, positions, contact);
     if (next.normal.dot(contact.normal) > same_plane && std::abs(next.gap - contact.gap) > kept_share * tolerance)
       contact.gap = next.gap;

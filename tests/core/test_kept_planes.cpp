@@ -127,6 +127,30 @@ TEST_CASE("a kept plane that faces away from the side by which the vertex is ins
   CHECK(normal_after(-up, 10 * tolerance, deep) == -up);   // of the other wall of a slot
 }
 
+TEST_CASE("a vertex that is outside lets go of a kept plane that would push it in") {
+  SunkBlock block;
+  const Contact found = block.contacts.front();
+  const Vector3d up = found.normal;
+  const auto normal_after = [&](const Vector3d& kept, double gap, double raised) {
+    block.contacts = {found};
+    Contact& contact = block.contacts.front();
+    contact.normal = kept;
+    contact.gap = gap;
+    contact.turns_back = 3;
+    // as it was placed before it rose
+    contact.position += raised * kept.dot(up) * kept;
+    block.place(block.raised(raised));
+    return block.contacts.front().normal;
+  };
+  const double out = 3 * tolerance;
+  const Vector3d behind = (Vector3d(0.9, 0, 0) - 0.1 * up).normalized(),
+                 across = (Vector3d(0.9, 0, 0) + 0.1 * up).normalized();
+  CHECK((normal_after(behind, -2 * tolerance, out) - up).norm() < 1e-12);
+  CHECK(normal_after(across, -2 * tolerance, out) == across);               // of a ridge
+  CHECK(normal_after(behind, -0.5 * tolerance, out) == behind);             // it hardly pushes
+  CHECK(normal_after(behind, -2 * tolerance, -0.2 * tolerance) == behind);  // the vertex is inside
+}
+
 TEST_CASE("of a vertex in a thin part no planes of both its sides are held at once") {
   SunkBlock block;
   const Contact found = block.contacts.front();
