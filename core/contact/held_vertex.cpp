@@ -123,11 +123,11 @@ bool was_inside(const Model& model, const ScaledSurface& surface, const HeldVert
 
 }  // namespace
 
-bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
-          const HexMaps& other, double reach, HeldVertex& held) {
-  MaterialPoint material;
-  if (!find_material(other, position, reach, material)) return false;
+HeldVertex hold_at(const Model& model, const Points& apart, const Support& vertex, const HexMaps& other,
+                   const Vector3d& s) {
+  const MaterialPoint material = material_at(other, s);
   const Model::BodyRange& body = body_of(model, other.hex);
+  HeldVertex held;
   held.vertex = vertex;
   held.other = {other.hex, material.weights};
   held.F_inverse = material.F_inverse;
@@ -135,6 +135,14 @@ bool hold(const Model& model, const Points& apart, const Support& vertex, const 
   held.X0 = body.rest_pose.local(material.rest + away_at(model, apart, held));
   held.bounds = distance_bounds(surface_of(body), held.X);
   held.moved = (held.X - held.X0).norm();
+  return held;
+}
+
+bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
+          const HexMaps& other, double reach, HeldVertex& held) {
+  const std::optional<Vector3d> s = find_local(other, position);
+  if (!s || !has_material(other, *s, reach)) return false;
+  held = hold_at(model, apart, vertex, other, *s);
   return true;
 }
 

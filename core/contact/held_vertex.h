@@ -30,11 +30,6 @@ struct Touch {
 /// [penetration tolerances] of a vertex that counts as outside what it touches.
 inline constexpr double nearly_outside = 10;
 
-/// What others hit of a body that has a surface.
-inline ScaledSurface surface_of(const Model::BodyRange& body) {
-  return {*body.rest_surface, body.rest_scale};
-}
-
 /// The smaller tolerance_depth() [m] of two hexes.
 inline double tolerance_between(const Model& model, int hex, int other_hex) {
   return std::min(tolerance_depth(model, hex), tolerance_depth(model, other_hex));
@@ -44,6 +39,10 @@ inline double tolerance_between(const Model& model, int hex, int other_hex) {
 /// as in find_material(). position: [m] of the vertex, at which the hex has these maps.
 bool hold(const Model& model, const Points& apart, const Support& vertex, const Vector3d& position,
           const HexMaps& other, double reach, HeldVertex& held);
+
+/// The same where the hex has material at the local coordinates s (has_material()).
+HeldVertex hold_at(const Model& model, const Points& apart, const Support& vertex, const HexMaps& other,
+                   const Vector3d& s);
 
 /// The same by the first of the hexes, at the positions (#N x 3 [m]), that holds it.
 bool hold_any(const Model& model, const Points& apart, const Points& positions, const Support& vertex,

@@ -41,34 +41,43 @@ Matrix3d gradient(const TrilinearMap& map, const Vector3d& s) {
   return columns;
 }
 
-// local coordinates of the point in the map; false if there are none near it
-bool invert(const TrilinearMap& map, const Vector3d& point, Vector3d& s) {
-  s.setZero();
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Matrix3d jacobian = gradient(map, s);
-    if (!(std::abs(jacobian.determinant()) > 0)) return false;
-    const Vector3d change = jacobian.inverse() * (place(map, s) - point);
-    s -= change;
-    if (!(s.cwiseAbs().maxCoeff() < 4)) return false;
-    if (change.cwiseAbs().maxCoeff() < settled) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 HexMaps hex_maps(const Model& model, const Points& positions, int hex) {
   return {hex, trilinear(hex_nodes(model, positions, hex)), trilinear(hex_nodes(model, model.rest_positions, hex))};
 }
 
-bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material) {
-  Vector3d s;
-  if (!invert(maps.world, point, s) || s.cwiseAbs().maxCoeff() > reach) return false;
+std::optional<Vector3d> find_local(const HexMaps& maps, const Vector3d& point) {
+  Vector3d s = Vector3d::Zero();
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const Matrix3d jacobian = gradient(maps.world, s);
+    if (!(std::abs(jacobian.determinant()) > 0)) return {};
+    const Vector3d change = jacobian.inverse() * (place(maps.world, s) - point);
+    s -= change;
+    if (!(s.cwiseAbs().maxCoeff() < 4)) return {};
+    if (change.cwiseAbs().maxCoeff() < settled) return s;
+  }
+  return {};
+}
+
+bool has_material(const HexMaps& maps, const Vector3d& s, double reach) {
+  return s.cwiseAbs().maxCoeff() <= reach &&
+         gradient(maps.world, s).determinant() * gradient(maps.rest, s).determinant() > 0;
+}
+
+Vector3d rest_place(const HexMaps& maps, const Vector3d& s) {
+  return place(maps.rest, s);
+}
+
+MaterialPoint material_at(const HexMaps& maps, const Vector3d& s) {
   const Matrix3d F = gradient(maps.world, s) * gradient(maps.rest, s).inverse();
-  if (!(F.determinant() > 0)) return false;
-  material.weights = shape_functions(s);
-  material.rest = place(maps.rest, s);
-  material.F_inverse = F.inverse();
+  return {shape_functions(s), rest_place(maps, s), F.inverse()};
+}
+
+bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material) {
+  const std::optional<Vector3d> s = find_local(maps, point);
+  if (!s || !has_material(maps, *s, reach)) return false;
+  material = material_at(maps, *s);
   return true;
 }
 
@@ -94,6 +103,7 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
   bounds.local_from_world = A_inverse;
   bounds.rest_stretch = stretch_bound(bounds.rest_from_world);
   bounds.local_stretch = stretch_bound(A_inverse);
+  bounds.local_lengths = A_inverse.rowwise().norm().cwiseInverse();
   const Matrix3d edges = H.diagonal() * H.diagonal().cwiseInverse().transpose();  // ratios of the cell's
   bounds.rest_error = bounds.local_error = bounds.bend = 0;
   double rest_bend = 0;  // of the map back to rest
@@ -107,17 +117,21 @@ HexBounds bound_hex(const Model& model, const Points& positions, int hex) {
     rest_bend = std::max(rest_bend, E.cwiseProduct(edges).norm());
   }
   if (rest_bend < 1) bounds.largest_inverse = bounds.rest_stretch / (1 - rest_bend);
+  const Model::BodyRange& body = body_of(model, hex);
+  if (body.rest_surface)
+    bounds.distances = view_distances(surface_of(body), body.rest_pose.rotation.transpose() * bounds.rest_from_world,
+                                      body.rest_pose.local(bounds.rest_centre));
   return bounds;
 }
 
 double distance_from(const HexBounds& bounds, const Vector3d& point) {
-  const double squared = bounds.box.squaredExteriorDistance(point);
+  const double squared = squared_distance(bounds.box, point);
   if (squared > 0 || !std::isfinite(bounds.local_error)) return std::sqrt(squared);
   double distance = 0;
   const Vector3d local = bounds.local_from_world * (point - bounds.centre);
   for (int axis = 0; axis < 3; ++axis) {
     const double beyond = std::abs(local[axis]) - (within_hex + bounds.local_error);
-    if (beyond > 0) distance = std::max(distance, beyond / bounds.local_from_world.row(axis).norm());
+    if (beyond > 0) distance = std::max(distance, beyond * bounds.local_lengths[axis]);
   }
   return distance;
 }
@@ -125,9 +139,8 @@ double distance_from(const HexBounds& bounds, const Vector3d& point) {
 // With  x = c + A (s + e(s)),  the gradient of e is odd and even terms of first and second degree in s, which grow to no more
 // than m^2 times what they are in the hex where coordinates go up to m. While that is below 1, no two places there have one
 // x, and on the straight way from the hex to a point with coordinate m they grow by at least m - 1.
-double distance_beyond(const HexBounds& bounds, const Vector3d& point) {
-  Vector3d s;
-  if (!std::isfinite(bounds.bend) || !invert(bounds.maps.world, point, s)) return 0;
+double distance_beyond(const HexBounds& bounds, const Vector3d& s) {
+  if (!std::isfinite(bounds.bend)) return 0;
   const double most = s.cwiseAbs().maxCoeff(), left = 1 - most * most * bounds.bend;
   return most > within_hex && left > 0 ? (most - within_hex) * left / bounds.local_stretch : 0;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "core/model/model.h"
 
@@ -27,9 +28,29 @@ struct HexMaps {
 };
 HexMaps hex_maps(const Model& model, const Points& positions, int hex);
 
-/// The material of the hex at the point, by Newton's method. False where it is more than `reach` half sizes from the
-/// hex's centre along an axis, or where the hex is turned inside out.
+/// Local coordinates of the point in the hex, by Newton's method; none: there are none near it.
+std::optional<Vector3d> find_local(const HexMaps& maps, const Vector3d& point);
+
+/// Is material of the hex there? Not where that is more than `reach` half sizes from the hex's centre along an axis, or where
+/// the hex is turned inside out.
+bool has_material(const HexMaps& maps, const Vector3d& s, double reach);
+
+/// Where it is at rest [m].
+Vector3d rest_place(const HexMaps& maps, const Vector3d& s);
+
+/// Likewise at a point of space; false: there is none.
 bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material);
+MaterialPoint material_at(const HexMaps& maps, const Vector3d& s);
+
+/// What others hit of a body that has a surface.
+inline ScaledSurface surface_of(const Model::BodyRange& body) {
+  return {*body.rest_surface, body.rest_scale};
+}
+
+/// Of a point from a box [m^2].
+inline double squared_distance(const Eigen::AlignedBox3d& box, const Vector3d& point) {
+  return (box.min() - point).cwiseMax(point - box.max()).cwiseMax(0.0).squaredNorm();
+}
 
 /// By how much the matrix makes vectors longer, at most; just that where it turns and scales.
 double stretch_bound(const Matrix3d& M);
@@ -46,15 +67,17 @@ struct HexBounds {
   double local_error = 0;                      // [-] of local coordinates, each
   double largest_inverse = 0;                  // [-] by which F^-1 makes vectors longer in the hex, at most
   double bend = 0;  // [-] norm of E, the map's gradient being A (1 + E), A that of the affine one; infinity: no bound
+  Vector3d local_lengths;  // [m] by which a coordinate grows by 1 along its gradient in the affine map
+  DistanceView distances;  // from the body's surface at rest, of places from the centre on, by the affine map
 };
 HexBounds bound_hex(const Model& model, const Points& positions, int hex);
 
 /// How far [m] the point is at least from where the hex may hold points; 0: it may hold this one.
 double distance_from(const HexBounds& bounds, const Vector3d& point);
 
-/// How far [m] a point that the hex does not hold is at least from where it may hold points; 0: nothing is known. At the cost
-/// of find_material().
-double distance_beyond(const HexBounds& bounds, const Vector3d& point);
+/// How far [m] the point with these local coordinates, which the hex does not hold, is at least from where it may hold
+/// points; 0: nothing is known.
+double distance_beyond(const HexBounds& bounds, const Vector3d& s);
 
 /// May the hex hold a point of another hex with these nodes, if all nodes of both move by no more than `by` [m]?
 bool may_meet(const HexBounds& bounds, const Matrix8x3d& nodes, double by);

@@ -26,11 +26,9 @@ double largest_motion(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b
 }
 
 // Bound of the distance [m] from the touched surface of points within a radius of this one, if the hex holds them.
-double least_distance(const Model::BodyRange& body, const HexBounds& bounds, const Vector3d& position, double radius) {
+double least_distance(const HexBounds& bounds, const Vector3d& position, double radius) {
   if (!std::isfinite(bounds.rest_error)) return -infinity;
-  const Vector3d rest = bounds.rest_centre + bounds.rest_from_world * (position - bounds.centre);
-  return distance_bounds(surface_of(body), body.rest_pose.local(rest)).low - bounds.rest_error -
-         bounds.rest_stretch * radius;
+  return least_distance(bounds.distances, position - bounds.centre) - bounds.rest_error - bounds.rest_stretch * radius;
 }
 
 const int* first_vertex(const VertexClusters& clusters, int hex) {
@@ -48,16 +46,11 @@ Support vertex_support(const Meeting& meeting, int k) {
   return {meeting.hex, surface_weights(body_of(meeting.model, meeting.hex), meeting.vertices[k])};
 }
 
-// of the point from the box, squared [m^2]
-double squared_distance(const Eigen::AlignedBox3d& box, const Vector3d& point) {
-  return (box.min() - point).cwiseMax(point - box.max()).cwiseMax(0.0).squaredNorm();
-}
-
 // How far [m] points within a radius of this one are at least from touching in the hex; 0 or less: they may.
-double clear_of(const Meeting& meeting, const OtherHex& other, const Vector3d& position, double radius) {
+double clear_of(const OtherHex& other, const Vector3d& position, double radius) {
   const double outside = distance_from(*other.bounds, position) - radius;
   if (outside > 0) return outside;
-  const double distance = least_distance(meeting.body, *other.bounds, position, radius);
+  const double distance = least_distance(*other.bounds, position, radius);
   return distance > other.largest_move ? distance : 0;
 }
 
@@ -74,7 +67,7 @@ double clear_of_all(const Meeting& meeting, const std::vector<int>& numbers, con
       least_squared = std::min(least_squared, squared);
       continue;
     }
-    const double clear = clear_of(meeting, other, position, radius);
+    const double clear = clear_of(other, position, radius);
     if (clear > 0)
       least = std::min(least, clear);
     else
@@ -218,6 +211,7 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
   meeting.nodes = hex_nodes(model, positions, encounter.hex);
   meeting.half_edges = longest_half_edges(meeting.nodes);
   const Eigen::AlignedBox3d moves = moves_of(model, before, positions, encounter.hex);
+  meeting.others.reserve(encounter.others.size());
   for (const int other : encounter.others) {
     const HexBounds& bounds = search.bounds[std::size_t(other)];
     const double against = largest_motion(moves, moves_of(model, before, positions, other));
@@ -232,13 +226,24 @@ Meeting meet(const Search& search, const LastApart& apart, std::size_t i) {
 
 bool find_held(const Meeting& meeting, const NearVertex& vertex, HeldVertex& held) {
   const Support support = vertex_support(meeting, vertex.k);
+  const ScaledSurface surface = surface_of(meeting.body);
   double least = vertex.clear;
   for (int i = vertex.first_other; i < vertex.end_other; ++i) {
     const OtherHex& other = meeting.others[std::size_t(meeting.near_others[std::size_t(i)])];
-    const bool is_inside =
-        hold(meeting.model, meeting.apart, support, vertex.position, other.bounds->maps, within_hex, held);
-    if (is_inside && !is_clear(surface_of(meeting.body), held)) return true;
-    least = std::min(least, is_inside ? held.bounds.low : distance_beyond(*other.bounds, vertex.position));
+    const HexMaps& maps = other.bounds->maps;
+    const std::optional<Vector3d> s = find_local(maps, vertex.position);
+    if (!s || !has_material(maps, *s, within_hex)) {
+      least = std::min(least, s ? distance_beyond(*other.bounds, *s) : 0);
+      continue;
+    }
+    const Vector3d X = meeting.body.rest_pose.local(rest_place(maps, *s));
+    double outside = distance_bounds(surface, X).low;
+    if (!(outside > other.largest_move)) {  // a closer look, at where it came from
+      held = hold_at(meeting.model, meeting.apart, support, maps, *s);
+      if (!is_clear(surface, held)) return true;
+      outside = held.bounds.low;
+    }
+    least = std::min(least, outside);
   }
   meeting.clearance.until[std::size_t(vertex.k)] = clear_until(meeting, least);
   return false;
@@ -250,7 +255,7 @@ void remember(const Meeting& meeting, const NearVertex& vertex, const HeldVertex
     for (const OtherHex& other : meeting.others)
       if (squared_distance(other.box, vertex.position) < least * least &&
           !share_node(meeting.model, other.hex, held.other.hex))
-        least = std::min(least, clear_of(meeting, other, vertex.position, 0));
+        least = std::min(least, clear_of(other, vertex.position, 0));
   }
   meeting.clearance.until[std::size_t(vertex.k)] = clear_until(meeting, least);
 }

@@ -121,30 +121,54 @@ void find_normals(RestSurface& surface) {
   for (auto normal : surface.vertex_normals.rowwise()) normal = direction_of(normal);
 }
 
-void split(const RestSurface& surface, const Points& centres, int at, int begin, int end,
-           std::vector<RestSurface::Node>& nodes, std::vector<int>& order) {
-  Eigen::AlignedBox3d box, of_centres;
-  for (int i = begin; i < end; ++i) {
-    for (int k = 0; k < 3; ++k) box.extend(corner_of(surface, order[i], k));
-    of_centres.extend(centres.row(order[i]).transpose());
+Eigen::AlignedBox3d box_of(const RestSurface& surface, int begin, int end) {
+  Eigen::AlignedBox3d box;
+  for (int i = begin; i < end; ++i)
+    for (int k = 0; k < 3; ++k) box.extend(corner_of(surface, surface.order[i], k));
+  return box;
+}
+
+void set_box(const Eigen::AlignedBox3d& box, int child, RestSurface::Node& node) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.low[axis][child] = box.min()[axis];
+    node.high[axis][child] = box.max()[axis];
   }
-  nodes[at].box = box;
-  if (end - begin <= leaf_size) {
-    nodes[at].first = begin;
-    nodes[at].count = end - begin;
-    return;
-  }
+}
+
+// Puts those of the triangles with lesser centres, along the longest axis, before the others; where these begin.
+int halve(const Points& centres, int begin, int end, std::vector<int>& order) {
+  Eigen::AlignedBox3d of_centres;
+  for (int i = begin; i < end; ++i) of_centres.extend(centres.row(order[i]).transpose());
   Eigen::Index axis = 0;
   of_centres.sizes().maxCoeff(&axis);
   const int middle = begin + (end - begin) / 2;
   std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](int a, int b) {
     return centres(a, axis) != centres(b, axis) ? centres(a, axis) < centres(b, axis) : a < b;
   });
-  const int first = int(nodes.size());
-  nodes[at].first = first;
-  nodes.resize(nodes.size() + 2);
-  split(surface, centres, first, begin, middle, nodes, order);
-  split(surface, centres, first + 1, middle, end, nodes, order);
+  return middle;
+}
+
+void split(const Points& centres, int at, int begin, int end, RestSurface& surface) {
+  std::vector<int> bounds{begin, end};
+  for (int round = 0; round < 2; ++round)
+    for (std::size_t i = bounds.size() - 1; i-- > 0;)
+      if (bounds[i + 1] - bounds[i] > leaf_size)
+        bounds.insert(bounds.begin() + std::ptrdiff_t(i) + 1, halve(centres, bounds[i], bounds[i + 1], surface.order));
+  RestSurface::Node node;
+  for (int child = 0; child < 4; ++child) {
+    const bool is_there = child + 1 < int(bounds.size());
+    const int first = is_there ? bounds[child] : 0, count = is_there ? bounds[child + 1] - first : -1;
+    set_box(is_there ? box_of(surface, first, first + count) : Eigen::AlignedBox3d(), child, node);
+    node.first[child] = first;
+    node.count[child] = count;
+    if (count <= leaf_size) continue;
+    node.first[child] = int(surface.nodes.size());
+    node.count[child] = 0;
+    surface.nodes.emplace_back();
+  }
+  surface.nodes[at] = node;
+  for (int child = 0; child + 1 < int(bounds.size()); ++child)
+    if (node.count[child] == 0) split(centres, node.first[child], bounds[child], bounds[child + 1], surface);
 }
 
 void build_tree(RestSurface& surface) {
@@ -155,9 +179,9 @@ void build_tree(RestSurface& surface) {
     centres.row(t) = (corner_of(surface, t, 0) + corner_of(surface, t, 1) + corner_of(surface, t, 2)).transpose() / 3;
   surface.order.resize(std::size_t(count));
   std::iota(surface.order.begin(), surface.order.end(), 0);
-  surface.nodes.reserve(std::size_t(count));
+  surface.box = box_of(surface, 0, int(count));
   surface.nodes.resize(1);
-  split(surface, centres, 0, 0, int(count), surface.nodes, surface.order);
+  split(centres, 0, 0, int(count), surface);
 }
 
 void line_up_corners(RestSurface& surface) {
@@ -169,7 +193,7 @@ void line_up_corners(RestSurface& surface) {
 
 void prepare_cache(RestSurface& surface) {
   if (surface.nodes.empty()) return;
-  const Eigen::AlignedBox3d& box = surface.nodes[0].box;
+  const Eigen::AlignedBox3d& box = surface.box;
   DistanceCache& cache = surface.cache;
   cache.spacing = std::max(box.sizes().maxCoeff() / cache_intervals, std::numeric_limits<double>::min());
   cache.origin = box.min() - Vector3d::Constant(cache.spacing);
@@ -180,16 +204,19 @@ void prepare_cache(RestSurface& surface) {
     cache.values[i].store(std::numeric_limits<float>::quiet_NaN(), std::memory_order_relaxed);
 }
 
-// children come after their parents
 void refit_tree(RestSurface& surface) {
+  std::vector<Eigen::AlignedBox3d> boxes(surface.nodes.size());
   for (std::size_t i = surface.nodes.size(); i-- > 0;) {
     RestSurface::Node& node = surface.nodes[i];
-    node.box.setEmpty();
-    if (node.count == 0)
-      node.box = surface.nodes[std::size_t(node.first)].box.merged(surface.nodes[std::size_t(node.first) + 1].box);
-    for (int k = node.first; k < node.first + node.count; ++k)
-      for (int corner = 0; corner < 3; ++corner) node.box.extend(corner_of(surface, surface.order[k], corner));
+    for (int child = 0; child < 4; ++child) {
+      const int first = node.first[child], count = node.count[child];
+      if (count < 0) continue;
+      const Eigen::AlignedBox3d box = count == 0 ? boxes[first] : box_of(surface, first, first + count);
+      set_box(box, child, node);
+      boxes[i].extend(box);
+    }
   }
+  if (!boxes.empty()) surface.box = boxes.front();
 }
 
 }  // namespace

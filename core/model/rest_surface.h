@@ -26,9 +26,10 @@ struct DistanceCache {
 
 /// Made by make_rest_surface(); read-only afterwards.
 struct RestSurface {
-  struct Node {                // of a bounding volume hierarchy
-    Eigen::AlignedBox3d box;   // of the triangles below
-    int first = 0, count = 0;  // leaf: in `order`; count 0: inner, its children are first and first + 1
+  /// Of a bounding volume hierarchy with up to four children a node, whose boxes are looked at all at once.
+  struct Node {
+    std::array<Eigen::Array4d, 3> low, high;  // [m] of the children's boxes, by axis; empty boxes of none
+    std::array<int, 4> first{}, count{};      // leaf: in `order`; count 0: the node `first`; -1: no child
   };
   Points vertices;          // #V x 3 [m]
   Triangles triangles;      // #T x 3, counter-clockwise from outside; of vertices at one place, the first
@@ -36,8 +37,10 @@ struct RestSurface {
   // pseudonormals, unit, or zero where the triangles' normals cancel
   Points edge_normals;      // 3 #T x 3, row 3 t + k of the edge from corner k to corner k + 1
   Points vertex_normals;    // #V x 3
-  std::vector<Node> nodes;  // the first is the root; none where there are no triangles
-  std::vector<int> order;   // triangles, by leaf
+  Eigen::AlignedBox3d box;  // of all triangles
+  std::vector<Node>
+      nodes;  // the first is the root, parents come before their children; none where there are no triangles
+  std::vector<int> order;  // triangles, by leaf
   std::vector<std::array<Vector3d, 3>>
       corners;  // [m] of the triangles in `order`: side by side in memory, for searches
   DistanceCache cache;
@@ -97,5 +100,18 @@ SurfaceHit nearest_alike(const ScaledSurface& surface, const Vector3d& point, co
                          double reach);
 int first_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to);
 int last_entered(const ScaledSurface& surface, const Vector3d& from, const Vector3d& to);
+
+/// The surface's distances at an affine map of points: many points of one map cost a product and a look-up each.
+struct DistanceView {
+  const RestSurface* surface = nullptr;
+  double scale = 1;                             // as in ScaledSurface
+  Matrix3d grid_from_point = Matrix3d::Zero();  // [1/m] into the cache's grid, whose points are 1 apart
+  Vector3d grid_origin = Vector3d::Zero();      // [-]
+};
+/// Of points x whose images, in the frame of the surface, are  linear x + translation.
+DistanceView view_distances(const ScaledSurface& surface, const Matrix3d& linear, const Vector3d& translation);
+
+/// distance_bounds().low at a point's image; infinity: the surface has no cache.
+double least_distance(const DistanceView& view, const Vector3d& point);
 
 }  // namespace umax

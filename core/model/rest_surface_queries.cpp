@@ -8,10 +8,11 @@
 namespace umax {
 namespace {
 
-constexpr double on_surface = 1e-9;  // [box diagonals] nearer points have the surface's own normal
-constexpr double on_edge = 1e-9;     // [-] of barycentric coordinates, by which crossings at edges count
-constexpr int max_depth = 64;
-constexpr double cache_rounding = 1e-6;  // [-] of a float
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double on_surface = 1e-9;      // [box diagonals] nearer points have the surface's own normal
+constexpr double on_edge = 1e-9;         // [-] of barycentric coordinates, by which crossings at edges count
+constexpr int stack_size = 128;          // nodes of 31 levels and the children beside them
+constexpr double cache_rounding = 1e-6;  // [-] of a float, and of places in the grid
 
 enum class Feature { face, edge0, edge1, edge2, corner0, corner1, corner2 };
 
@@ -43,29 +44,44 @@ struct Nearest {
   TrianglePoint place{Vector3d::Zero()};
 };
 
+// A child of a node that is to be looked at; squared: of its box's distance [m^2].
+struct Entry {
+  int first = 0, count = 0;
+  double squared = 0;
+};
+
+// Puts children that are no farther than this onto the stack, the nearest one last; the stack's new size.
+int push_children(const RestSurface::Node& node, const Vector3d& point, double farthest_squared, Entry* stack,
+                  int size) {
+  Eigen::Array4d squared = Eigen::Array4d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Array4d away = (node.low[axis] - point[axis]).max(point[axis] - node.high[axis]).max(0.0);
+    squared += away * away;
+  }
+  const int before = size;
+  for (int child = 0; child < 4; ++child) {
+    if (node.count[child] < 0 || squared[child] > farthest_squared) continue;
+    int place = size++;
+    for (; place > before && stack[place - 1].squared < squared[child]; --place) stack[place] = stack[place - 1];
+    stack[place] = {node.first[child], node.count[child], squared[child]};
+  }
+  return size;
+}
+
 template <class Counts>
 Nearest find_nearest(const RestSurface& surface, const Vector3d& point, double reach, const Counts& counts) {
   Nearest nearest{.squared = reach * reach};
   if (surface.nodes.empty()) return nearest;
-  struct Entry {
-    int node;
-    double squared;
-  } stack[max_depth];
-  int size = 0;
-  stack[size++] = {0, surface.nodes[0].box.squaredExteriorDistance(point)};
+  Entry stack[stack_size];
+  int size = push_children(surface.nodes[0], point, nearest.squared, stack, 0);
   while (size > 0) {
     const Entry at = stack[--size];
     if (at.squared > nearest.squared) continue;
-    const RestSurface::Node& node = surface.nodes[at.node];
-    if (node.count == 0) {
-      const double left = surface.nodes[node.first].box.squaredExteriorDistance(point),
-                   right = surface.nodes[node.first + 1].box.squaredExteriorDistance(point);
-      const bool left_first = left <= right;
-      stack[size++] = left_first ? Entry{node.first + 1, right} : Entry{node.first, left};
-      stack[size++] = left_first ? Entry{node.first, left} : Entry{node.first + 1, right};
+    if (at.count == 0) {
+      size = push_children(surface.nodes[at.first], point, nearest.squared, stack, size);
       continue;
     }
-    for (int i = node.first; i < node.first + node.count; ++i) {
+    for (int i = at.first; i < at.first + at.count; ++i) {
       const int t = surface.order[i];
       if (!counts(t)) continue;
       const auto& [a, b, c] = surface.corners[std::size_t(i)];
@@ -78,21 +94,22 @@ Nearest find_nearest(const RestSurface& surface, const Vector3d& point, double r
   return nearest;
 }
 
-// Calls visit(t) for each triangle of the leaves whose boxes `meets` lets in.
-template <class Meets, class Visit>
-void for_each_triangle(const RestSurface& surface, const Meets& meets, const Visit& visit) {
+// Calls visit(t) for each triangle of the leaves whose boxes meet this one.
+template <class Visit>
+void for_each_triangle(const RestSurface& surface, const Eigen::AlignedBox3d& box, const Visit& visit) {
   if (surface.nodes.empty()) return;
-  int stack[max_depth], size = 0;
+  int stack[stack_size], size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const RestSurface::Node& node = surface.nodes[stack[--size]];
-    if (!meets(node.box)) continue;
-    if (node.count == 0) {
-      stack[size++] = node.first;
-      stack[size++] = node.first + 1;
-      continue;
+    Eigen::Array4d apart = Eigen::Array4d::Constant(-infinity);  // positive: by this
+    for (int axis = 0; axis < 3; ++axis)
+      apart = apart.max(node.low[axis] - box.max()[axis]).max(box.min()[axis] - node.high[axis]);
+    for (int child = 0; child < 4; ++child) {
+      if (apart[child] > 0) continue;
+      if (node.count[child] == 0) stack[size++] = node.first[child];
+      for (int i = node.first[child]; i < node.first[child] + node.count[child]; ++i) visit(surface.order[i]);
     }
-    for (int i = node.first; i < node.first + node.count; ++i) visit(surface.order[i]);
   }
 }
 
@@ -106,12 +123,10 @@ bool all_count(const RestSurface& surface, const Nearest& nearest, const Counts&
   const int first = corners[k], second = corners[is_corner ? k : (k + 1) % 3];
   const Vector3d place = surface.vertices.row(first).transpose();
   bool all = true;
-  for_each_triangle(
-      surface, [&](const Eigen::AlignedBox3d& box) { return all && box.contains(place); },
-      [&](int t) {
-        const auto of = surface.triangles.row(t).array();
-        if ((of == first).any() && (of == second).any() && !counts(t)) all = false;
-      });
+  for_each_triangle(surface, Eigen::AlignedBox3d(place), [&](int t) {
+    const auto of = surface.triangles.row(t).array();
+    if ((of == first).any() && (of == second).any() && !counts(t)) all = false;
+  });
   return all;
 }
 
@@ -128,7 +143,7 @@ SurfaceHit hit_at(const RestSurface& surface, const Vector3d& point, const Neare
   const Vector3d away = point - nearest.place.point;
   const double distance = away.norm();
   const double sign = away.dot(normal) < 0 ? -1 : 1;
-  const bool is_near = distance <= on_surface * surface.nodes[0].box.diagonal().norm();
+  const bool is_near = distance <= on_surface * surface.box.diagonal().norm();
   return {nearest.triangle, nearest.place.point, is_near ? normal : Vector3d(sign / distance * away), sign * distance};
 }
 
@@ -154,14 +169,28 @@ int entered_at_end(const RestSurface& surface, const Vector3d& from, const Vecto
   int found = -1;
   Eigen::AlignedBox3d path(from);
   path.extend(to);
-  for_each_triangle(
-      surface, [&](const Eigen::AlignedBox3d& box) { return box.intersects(path); },
-      [&](int t) {
-        const double share = entry(surface, t, from, to);
-        if (share >= nothing) return;
-        if (sign * share < least || (sign * share == least && t < found)) least = sign * share, found = t;
-      });
+  for_each_triangle(surface, path, [&](int t) {
+    const double share = entry(surface, t, from, to);
+    if (share >= nothing) return;
+    if (sign * share < least || (sign * share == least && t < found)) least = sign * share, found = t;
+  });
   return found;
+}
+
+// at a place in the units of the cache's grid
+DistanceBounds bounds_at(const RestSurface& surface, const Vector3d& place) {
+  const DistanceCache& cache = surface.cache;
+  Vector3i at;
+  for (int axis = 0; axis < 3; ++axis) at[axis] = int(std::clamp(place[axis] + 0.5, 0.0, double(cache.size[axis] - 1)));
+  std::atomic<float>& value = cache.values[(std::size_t(at[0]) * cache.size[1] + at[1]) * cache.size[2] + at[2]];
+  float distance = value.load(std::memory_order_relaxed);
+  if (std::isnan(distance)) {
+    distance = float(nearest_point(surface, cache.origin + cache.spacing * at.cast<double>(), infinity).distance);
+    value.store(distance, std::memory_order_relaxed);
+  }
+  const double away = cache.spacing * (place - at.cast<double>()).norm() +
+                      cache_rounding * (std::abs(double(distance)) + cache.spacing);
+  return {double(distance) - away, double(distance) + away};
 }
 
 SurfaceHit scaled(SurfaceHit hit, double scale) {
@@ -179,22 +208,24 @@ SurfaceHit nearest_point(const RestSurface& surface, const Vector3d& point, doub
 }
 
 DistanceBounds distance_bounds(const RestSurface& surface, const Vector3d& point) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const DistanceCache& cache = surface.cache;
   if (!cache.values) return {infinity, infinity};
-  Vector3i at;
-  for (int axis = 0; axis < 3; ++axis)
-    at[axis] = int(std::clamp(std::floor((point[axis] - cache.origin[axis]) / cache.spacing + 0.5), 0.0,
-                              double(cache.size[axis] - 1)));
-  const Vector3d sample = cache.origin + cache.spacing * at.cast<double>();
-  std::atomic<float>& value = cache.values[(std::size_t(at[0]) * cache.size[1] + at[1]) * cache.size[2] + at[2]];
-  float distance = value.load(std::memory_order_relaxed);
-  if (std::isnan(distance)) {
-    distance = float(nearest_point(surface, sample, infinity).distance);
-    value.store(distance, std::memory_order_relaxed);
-  }
-  const double away = (point - sample).norm() + cache_rounding * std::abs(double(distance));
-  return {double(distance) - away, double(distance) + away};
+  return bounds_at(surface, (point - cache.origin) / cache.spacing);
+}
+
+DistanceView view_distances(const ScaledSurface& surface, const Matrix3d& linear, const Vector3d& translation) {
+  const DistanceCache& cache = surface.of.cache;
+  DistanceView view{&surface.of, surface.scale};
+  if (!cache.values) return view;
+  const double spacing = surface.scale * cache.spacing;
+  view.grid_from_point = linear / spacing;
+  view.grid_origin = (translation - surface.scale * cache.origin) / spacing;
+  return view;
+}
+
+double least_distance(const DistanceView& view, const Vector3d& point) {
+  if (!view.surface->cache.values) return infinity;
+  return view.scale * bounds_at(*view.surface, view.grid_from_point * point + view.grid_origin).low;
 }
 
 SurfaceHit nearest_alike(const RestSurface& surface, const Vector3d& point, const Vector3d& direction, double cosine,

@@ -285,3 +285,22 @@ TEST_CASE("a surface at another size answers as one made at that size") {
     CHECK(bounds.high >= expected.distance);
   }
 }
+
+TEST_CASE("a view of distances through an affine map bounds those of the images, as a look-up at each does") {
+  constexpr double scale = 2.3;
+  Random random(6);
+  const RestSurface surface = make_rough_sphere(random);
+  const ScaledSurface scaled{surface, scale};
+  Matrix3d linear;
+  linear << 1.2, 0.3, 0, -0.2, 0.8, 0.1, 0.1, 0, 1.1;
+  const Vector3d translation = random_point(random, 0.5);
+  const DistanceView view = view_distances(scaled, linear, translation);
+  for (int i = 0; i < 500; ++i) {
+    const Vector3d image = scale * random_point(random, 1.3), point = linear.inverse() * (image - translation);
+    const double low = least_distance(view, point);
+    CHECK(low <= nearest_point(scaled, image, anywhere).distance);
+    CHECK(low == Approx(distance_bounds(scaled, image).low).margin(1e-5));
+  }
+  const RestSurface moved = moved_surface(surface, surface.vertices);  // has no cache
+  CHECK(least_distance(view_distances({moved, 1}, linear, translation), Vector3d::Zero()) == anywhere);
+}

@@ -153,7 +153,6 @@ std::vector<InnerRider> riders_in(const Bones& bones, const Lattice& lattice) {
   if (!bones.is_closed) return {};
   const RestSurface surface = make_rest_surface(bones.mesh.positions, turned_outwards(bones));
   if (surface.nodes.empty()) return {};
-  const Eigen::AlignedBox3d all = surface.nodes.front().box;
   const double shallow = least_depth * cell_of(lattice);
   std::vector<std::vector<InnerRider>> of_hex(std::size_t(lattice.num_hexes()));
   parallel_blocks(lattice.num_hexes(), in_block, [&](Eigen::Index first, Eigen::Index last) {
@@ -161,7 +160,7 @@ std::vector<InnerRider> riders_in(const Bones& bones, const Lattice& lattice) {
       for (int n = 0; n < 8; ++n) {
         const Vector3d s = spacing * Vector3d(n & 4 ? 1 : -1, n & 2 ? 1 : -1, n & 1 ? 1 : -1);
         const Vector3d point = rest_nodes(lattice, e).transpose() * shape_functions(s);
-        if (!all.contains(point)) continue;
+        if (!surface.box.contains(point)) continue;
         const SurfaceHit hit = nearest_point(surface, point, infinity);
         if (hit.triangle < 0 || hit.distance > -shallow) continue;
         const std::optional<InnerPoint> inner = inner_point(bones, surface, hit, point);
