@@ -38,6 +38,19 @@ struct SunkBlock {
   void place(const Points& positions) {
     place_surface_contacts(step, LastApart(model.rest_positions), positions, contacts);
   }
+  // of the contact, found anew, that has kept this plane while the block rose so far from where it was placed [m]
+  Vector3d normal_after(const Vector3d& kept, double gap, double rise) {
+    contacts.clear();
+    REQUIRE(add_surface_contacts(step, LastApart(model.rest_positions), near, 0, contacts) > 0);
+    contacts.resize(1);
+    Contact& contact = contacts.front();
+    contact.position += rise * kept.dot(contact.normal) * kept;
+    contact.normal = kept;
+    contact.gap = gap;
+    contact.turns_back = 3;
+    place(raised(rise));
+    return contacts.front().normal;
+  }
 };
 
 }  // namespace
@@ -105,50 +118,26 @@ TEST_CASE("a contact keeps its plane from the second time on that its normal tur
 
 TEST_CASE("a kept plane that faces away from the side by which the vertex is inside gives way to that side's") {
   SunkBlock block;
-  const Contact found = block.contacts.front();
-  const Vector3d up = found.normal;
-  const auto normal_after = [&](const Vector3d& kept, double gap, double sunk) {
-    block.contacts = {found};
-    Contact& contact = block.contacts.front();
-    contact.normal = kept;
-    contact.gap = gap;
-    contact.turns_back = 3;
-    // as it was placed before it sank
-    contact.position -= sunk * kept.dot(up) * kept;
-    block.place(block.raised(-sunk));
-    return block.contacts.front().normal;
-  };
-  const double deep = 3 * tolerance, little = 0.2 * tolerance;
+  const Vector3d up = block.contacts.front().normal;
+  const double deep = -3 * tolerance, little = -0.2 * tolerance;
   const Vector3d across = Vector3d(0.9, 0.1, 0).normalized();
-  CHECK((normal_after(-up, 0, deep) - up).norm() < 1e-12);
-  CHECK(normal_after(across, 0, deep) == across);          // of a ridge or a groove
-  CHECK(normal_after(-up, 0, little) == -up);              // at the surface, as at the edge of a blade
-  CHECK(normal_after(-up, -10 * tolerance, deep) == -up);  // it is farther behind that one
-  CHECK(normal_after(-up, 10 * tolerance, deep) == -up);   // of the other wall of a slot
+  CHECK((block.normal_after(-up, 0, deep) - up).norm() < 1e-12);
+  CHECK(block.normal_after(across, 0, deep) == across);          // of a ridge or a groove
+  CHECK(block.normal_after(-up, 0, little) == -up);              // at the surface, as at the edge of a blade
+  CHECK(block.normal_after(-up, -10 * tolerance, deep) == -up);  // it is farther behind that one
+  CHECK(block.normal_after(-up, 10 * tolerance, deep) == -up);   // of the other wall of a slot
 }
 
 TEST_CASE("a vertex that is outside lets go of a kept plane that would push it in") {
   SunkBlock block;
-  const Contact found = block.contacts.front();
-  const Vector3d up = found.normal;
-  const auto normal_after = [&](const Vector3d& kept, double gap, double raised) {
-    block.contacts = {found};
-    Contact& contact = block.contacts.front();
-    contact.normal = kept;
-    contact.gap = gap;
-    contact.turns_back = 3;
-    // as it was placed before it rose
-    contact.position += raised * kept.dot(up) * kept;
-    block.place(block.raised(raised));
-    return block.contacts.front().normal;
-  };
+  const Vector3d up = block.contacts.front().normal;
   const double out = 3 * tolerance;
   const Vector3d behind = (Vector3d(0.9, 0, 0) - 0.1 * up).normalized(),
                  across = (Vector3d(0.9, 0, 0) + 0.1 * up).normalized();
-  CHECK((normal_after(behind, -2 * tolerance, out) - up).norm() < 1e-12);
-  CHECK(normal_after(across, -2 * tolerance, out) == across);               // of a ridge
-  CHECK(normal_after(behind, -0.5 * tolerance, out) == behind);             // it hardly pushes
-  CHECK(normal_after(behind, -2 * tolerance, -0.2 * tolerance) == behind);  // the vertex is inside
+  CHECK((block.normal_after(behind, -2 * tolerance, out) - up).norm() < 1e-12);
+  CHECK(block.normal_after(across, -2 * tolerance, out) == across);               // of a ridge
+  CHECK(block.normal_after(behind, -0.5 * tolerance, out) == behind);             // it hardly pushes
+  CHECK(block.normal_after(behind, -2 * tolerance, -0.2 * tolerance) == behind);  // the vertex is inside
 }
 
 TEST_CASE("of a vertex in a thin part no planes of both its sides are held at once") {

@@ -154,7 +154,9 @@ TEST_CASE("a cage that cannot be made leaves the session as it is") {
   Session session(live_scene(folder));
   std::vector<std::string> states;
   step_often(session, 6, states);
-  session.original.bodies[0].source = MeshSource{.path = folder / "gone.obj"};
+  MeshSource gone;
+  gone.path = folder / "gone.obj";
+  session.original.bodies[0].source = gone;
   CHECK(failure_of([&] { set_cells(session, 0, 27); }).code == 66);
   CHECK(session.simulation.model.num_hexes() == 8);
   CHECK(bytes_of(session.state) == states.back());

@@ -81,7 +81,8 @@ TEST_CASE("the option --isa avx2 pins kernels and OpenBLAS, and a run that goes 
   CHECK(run_process({"env", "UMAX_ISA=sse", UMAX_PROGRAM, "scenes"}).exit_code == 2);
 
   const bool differs = best_set != instruction_set_of(folder / "run");
-  const bool is_alike = !differs || best_set.find("(Zen)") != std::string::npos;  // its kernels are Haswell's
+  // OpenBLAS's kernels for Zen are those for Haswell; this program's differ where AVX-512 is taken
+  const bool is_alike = !differs || (best_set.starts_with("avx2") && best_set.find("(Zen)") != std::string::npos);
   CHECK((best == pinned) == is_alike);  // otherwise nothing was pinned, or nothing depends on it
   const Words call{"simulate", scene.string(), "-o", (folder / "mixed").string(), "--set", "clip.frames=12"};
   REQUIRE(exit_code_of(call + Words{"--frames", "1-2"}) == 0);
