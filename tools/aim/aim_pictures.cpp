@@ -88,8 +88,10 @@ bool write_before_after(const AimPlan& plan, const AimFolder& folder, const AimR
                         int threads) {
   std::vector<const AimRun*> shown{&runs.all().front()};
   if (!best.is_before()) shown.push_back(&best);
+  ShapeLibrary library{.keeps_cages = true};
   std::vector<std::shared_ptr<const Simulation>> simulations;
-  for (const AimRun* run : shown) simulations.push_back(std::make_shared<const Simulation>(set_up(run->scene)));
+  for (const AimRun* run : shown)
+    simulations.push_back(std::make_shared<const Simulation>(set_up(run->scene, library)));
   std::vector<StripItem> items;
   for (const int frame : frames_of(best))
     for (std::size_t i = 0; i < shown.size(); ++i) {

@@ -108,10 +108,13 @@ bool AimRuns::simulate(std::size_t begin) {
 }
 
 void AimRuns::read(std::size_t begin) {
-  parallel_blocks(Eigen::Index(runs_.size() - begin), 1, [&](Eigen::Index first, Eigen::Index last) {
+  std::vector<Simulation> simulations;  // of these runs
+  for (std::size_t i = begin; i < runs_.size() && stop_signal() == 0; ++i)
+    simulations.push_back(set_up(runs_[i].scene, library_));
+  parallel_blocks(Eigen::Index(simulations.size()), 1, [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index k = first; k < last && stop_signal() == 0; ++k) {
       AimRun& run = runs_[begin + std::size_t(k)];
-      const Simulation simulation = set_up(run.scene);
+      const Simulation& simulation = simulations[std::size_t(k)];
       const StateSource states = states_of_run(simulation, folder_.run(run.name));
       run.miss.resize(Eigen::Index(plan_.wants.size()));
       for (std::size_t w = 0; w < plan_.wants.size(); ++w) {

@@ -8,6 +8,7 @@
 #include "tools/aim/aiming.h"
 #include "tools/aim/solver.h"
 #include "tools/aim/want_reading.h"
+#include "tools/setup/body_shape.h"
 
 namespace umax {
 
@@ -51,6 +52,7 @@ class AimRuns {
   WorkerOptions workers_;
   std::optional<VectorXd> start_;
   std::vector<AimRun> runs_;
+  ShapeLibrary library_{.keeps_cages = true};
   int exit_code_ = 0;
 };
 
