@@ -65,13 +65,13 @@ bool has_material(const HexMaps& maps, const Vector3d& s, double reach) {
          gradient(maps.world, s).determinant() * gradient(maps.rest, s).determinant() > 0;
 }
 
-Vector3d rest_place(const HexMaps& maps, const Vector3d& s) {
-  return place(maps.rest, s);
-}
-
 MaterialPoint material_at(const HexMaps& maps, const Vector3d& s) {
   const Matrix3d F = gradient(maps.world, s) * gradient(maps.rest, s).inverse();
   return {shape_functions(s), rest_place(maps, s), F.inverse()};
+}
+
+Vector3d rest_place(const HexMaps& maps, const Vector3d& s) {
+  return place(maps.rest, s);
 }
 
 bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material) {

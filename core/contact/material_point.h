@@ -35,12 +35,12 @@ std::optional<Vector3d> find_local(const HexMaps& maps, const Vector3d& point);
 /// the hex is turned inside out.
 bool has_material(const HexMaps& maps, const Vector3d& s, double reach);
 
-/// Where it is at rest [m].
+/// That material, and where alone it is at rest [m].
+MaterialPoint material_at(const HexMaps& maps, const Vector3d& s);
 Vector3d rest_place(const HexMaps& maps, const Vector3d& s);
 
-/// Likewise at a point of space; false: there is none.
+/// The material of the hex at a point; false where it has none there.
 bool find_material(const HexMaps& maps, const Vector3d& point, double reach, MaterialPoint& material);
-MaterialPoint material_at(const HexMaps& maps, const Vector3d& s);
 
 /// What others hit of a body that has a surface.
 inline ScaledSurface surface_of(const Model::BodyRange& body) {

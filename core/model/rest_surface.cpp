@@ -148,6 +148,7 @@ int halve(const Points& centres, int begin, int end, std::vector<int>& order) {
   return middle;
 }
 
+// The node's children are the halves of the two halves of the triangles in `order`, as far as they are large.
 void split(const Points& centres, int at, int begin, int end, RestSurface& surface) {
   std::vector<int> bounds{begin, end};
   for (int round = 0; round < 2; ++round)
@@ -180,6 +181,7 @@ void build_tree(RestSurface& surface) {
   surface.order.resize(std::size_t(count));
   std::iota(surface.order.begin(), surface.order.end(), 0);
   surface.box = box_of(surface, 0, int(count));
+  surface.nodes.reserve(std::size_t(count / 4 + 1));  // about
   surface.nodes.resize(1);
   split(centres, 0, 0, int(count), surface);
 }

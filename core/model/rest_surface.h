@@ -26,7 +26,8 @@ struct DistanceCache {
 
 /// Made by make_rest_surface(); read-only afterwards.
 struct RestSurface {
-  /// Of a bounding volume hierarchy with up to four children a node, whose boxes are looked at all at once.
+  /// Of a bounding volume hierarchy with up to four children a node, whose boxes are looked at all at once (Wald, Benthin
+  /// and Boulos 2008, Getting rid of packets, IEEE Symposium on Interactive Ray Tracing).
   struct Node {
     std::array<Eigen::Array4d, 3> low, high;  // [m] of the children's boxes, by axis; empty boxes of none
     std::array<int, 4> first{}, count{};      // leaf: in `order`; count 0: the node `first`; -1: no child
@@ -38,9 +39,8 @@ struct RestSurface {
   Points edge_normals;      // 3 #T x 3, row 3 t + k of the edge from corner k to corner k + 1
   Points vertex_normals;    // #V x 3
   Eigen::AlignedBox3d box;  // of all triangles
-  std::vector<Node>
-      nodes;  // the first is the root, parents come before their children; none where there are no triangles
-  std::vector<int> order;  // triangles, by leaf
+  std::vector<Node> nodes;  // the root first, parents before their children; none where there are no triangles
+  std::vector<int> order;   // triangles, by leaf
   std::vector<std::array<Vector3d, 3>>
       corners;  // [m] of the triangles in `order`: side by side in memory, for searches
   DistanceCache cache;
