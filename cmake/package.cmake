@@ -39,7 +39,7 @@ set(same_version "umax (= ${CPACK_DEBIAN_PACKAGE_VERSION})")
 
 debian_package(PROGRAM umax graphics
   "Drops a mesh of any kind as a soft body and renders the clip. No element of the\nbody ever stores more elastic energy than you allow, said as a stretch, as an\nenergy density or as an energy, together with frictional contact."
-  ffmpeg fonts-dejavu-core libjs-chart.js libjs-three libopenblas0-pthread)
+  ffmpeg fonts-dejavu-core libjs-chart.js libjs-three libopenblas0-pthread libosmesa6)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 
 file(STRINGS ${SOURCE}/tools/packages headers REGEX "-dev$|^pkg-config$")

@@ -21,7 +21,7 @@ find_package(OpenEXR 3 REQUIRED)
 find_package(Ceres REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(LIBCRYPTO REQUIRED IMPORTED_TARGET libcrypto)
-pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(OSMESA REQUIRED osmesa)  # its headers: the library is loaded when first needed
 
 # Embree 4 (Debian 13) or 3 (Debian 12), under one name
 find_package(embree 4 QUIET)

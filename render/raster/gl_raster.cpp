@@ -4,11 +4,13 @@
 #include <GL/osmesa.h>
 // osmesa.h brings only the old gl.h
 #include <GL/glcorearb.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <initializer_list>
 #include <map>
+#include <type_traits>
 
 #include "core/base/error.h"
 #include "render/raster/llvmpipe.h"
@@ -30,22 +32,52 @@ namespace {
   X(BindFramebuffer) X(FramebufferTexture2D) X(CheckFramebufferStatus)
 // clang-format on
 
-/// GL's functions as OSMesa hands them out. The global prototypes lend their types only; nothing links against libGL.
+[[noreturn]] void fail(const std::string& what, const std::string& value = "") {
+  throw Error(Fault::unavailable, {"rasteriser", what, value, "install libosmesa6, or use --engine embree"});
+}
+
+/// OSMesa's functions. The global prototypes lend their types only: the library is loaded when the first picture is drawn, as
+/// loading its compiler takes longer than most commands, which draw none.
+struct OsMesa {
+  decltype(&OSMesaCreateContextAttribs) create_context;
+  decltype(&OSMesaDestroyContext) destroy_context;
+  decltype(&OSMesaMakeCurrent) make_current;
+  decltype(&OSMesaGetProcAddress) get_function;
+};
+
+OsMesa load_os_mesa() {
+  void* library =
+      dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);  // for good: it may not be unloaded while threads run
+  if (!library) fail("OSMesa cannot be loaded", dlerror());
+  const auto load = [&](const char* name, auto& function) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+    if (!function) fail("OSMesa lacks a function", name);
+  };
+  OsMesa mesa{};
+  load("OSMesaCreateContextAttribs", mesa.create_context);
+  load("OSMesaDestroyContext", mesa.destroy_context);
+  load("OSMesaMakeCurrent", mesa.make_current);
+  load("OSMesaGetProcAddress", mesa.get_function);
+  return mesa;
+}
+
+const OsMesa& os_mesa() {
+  static const OsMesa mesa = load_os_mesa();
+  return mesa;
+}
+
+/// GL's functions as OSMesa hands them out; nothing links against libGL.
 struct Functions {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): NAME is declared
 #define UMAX_GL_DECLARE(NAME) decltype(&gl##NAME) NAME = nullptr;
   UMAX_GL_FUNCTIONS(UMAX_GL_DECLARE)
 #undef UMAX_GL_DECLARE
   void load() {
-#define UMAX_GL_LOAD(NAME) NAME = reinterpret_cast<decltype(NAME)>(OSMesaGetProcAddress("gl" #NAME));
+#define UMAX_GL_LOAD(NAME) NAME = reinterpret_cast<decltype(NAME)>(os_mesa().get_function("gl" #NAME));
     UMAX_GL_FUNCTIONS(UMAX_GL_LOAD)
 #undef UMAX_GL_LOAD
   }
 };
-
-[[noreturn]] void fail(const std::string& what, const std::string& value = "") {
-  throw Error(Fault::unavailable, {"rasteriser", what, value, "install libosmesa6, or use --engine embree"});
-}
 
 constexpr int unit_base = 0, unit_samples = 1;
 
@@ -58,7 +90,7 @@ struct Target {
 }  // namespace
 
 struct GlRaster::Context {
-  OSMesaContext os_mesa = nullptr;
+  OSMesaContext context = nullptr;
   std::vector<unsigned char> window;  // OSMesa wants one; the drawing goes to framebuffer objects
   Functions gl;
   GLuint surface_program = 0, wire_program = 0, pick_program = 0;
@@ -71,7 +103,7 @@ struct GlRaster::Context {
   std::map<std::shared_ptr<const Image>, GLuint> textures;
 
   explicit Context(int num_threads);
-  ~Context() { OSMesaDestroyContext(os_mesa); }
+  ~Context() { os_mesa().destroy_context(context); }
 
   void make_current();
   GLuint compile(GLenum kind, const std::string& source);
@@ -106,8 +138,8 @@ GlRaster::Context::Context(int num_threads) {
                             OSMESA_CONTEXT_MINOR_VERSION,
                             5,
                             0};
-  os_mesa = OSMesaCreateContextAttribs(attributes, nullptr);
-  if (!os_mesa) fail("OSMesa gives no GL 4.5 core context");
+  context = os_mesa().create_context(attributes, nullptr);
+  if (!context) fail("OSMesa gives no GL 4.5 core context");
   window.resize(16 * 16 * 4);
   make_current();
   gl.load();  // the loader answers for unknown names too: the version says what is really there
@@ -127,7 +159,7 @@ GlRaster::Context::Context(int num_threads) {
 }
 
 void GlRaster::Context::make_current() {
-  if (!OSMesaMakeCurrent(os_mesa, window.data(), GL_UNSIGNED_BYTE, 16, 16)) fail("OSMesa refuses its context");
+  if (!os_mesa().make_current(context, window.data(), GL_UNSIGNED_BYTE, 16, 16)) fail("OSMesa refuses its context");
 }
 
 GLuint GlRaster::Context::compile(GLenum kind, const std::string& source) {
@@ -304,6 +336,10 @@ void GlRaster::Context::pick(const Target& target, int sample_index, float* out)
   const std::size_t row = std::size_t(width) * 4;
   for (int y = 0; y < height / 2; ++y)
     std::swap_ranges(out + row * y, out + row * (y + 1), out + row * (height - 1 - y));
+}
+
+void require_os_mesa() {
+  os_mesa();
 }
 
 GlRaster::GlRaster(int num_threads) : context_(std::make_unique<Context>(num_threads)) {}

@@ -8,6 +8,9 @@
 
 namespace umax::raster {
 
+/// Throws Error 69 when OSMesa cannot be loaded.
+void require_os_mesa();
+
 /// Owns one GL context with its programs and textures. To be used by one thread at a time.
 class GlRaster {
  public:

@@ -261,6 +261,10 @@ struct Rasterizer::Resources {
   explicit Resources(int threads) : gl(threads) {}
 };
 
+void require_rasterizer() {
+  raster::require_os_mesa();
+}
+
 Rasterizer::Rasterizer(int threads) : resources_(std::make_unique<Resources>(threads)) {}
 Rasterizer::~Rasterizer() = default;
 Rasterizer::Rasterizer(Rasterizer&&) noexcept = default;

@@ -19,6 +19,9 @@ struct RasterizeOptions {
   int threads = 0;         // GL's own threads, fixed by the first picture of the process; 0: all processors
 };
 
+/// Throws Error 69 when OSMesa is not there, in the time of loading it.
+void require_rasterizer();
+
 /// Draws scenes one after the other with one GL context and its caches. For one thread at a time.
 class Rasterizer {
  public:

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/files/write_file.h"
 #include "scenes/scene_key_table.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
@@ -198,6 +199,27 @@ TEST_CASE("a missing ffmpeg is found out before the first step") {
   CHECK(result.exit_code == 69);
   check_message(result);
   CHECK(!fs::exists(folder / "run"));
+}
+
+TEST_CASE("OSMesa is loaded by what draws with it alone, and where it is missing that is said before a run starts") {
+  const ProcessResult libraries = run_process({"env", "LD_TRACE_LOADED_OBJECTS=1", UMAX_PROGRAM});
+  CHECK(libraries.output.find("libopenvdb") != std::string::npos);  // the list is not empty
+  for (const char* name : {"OSMesa", "LLVM"}) CHECK(libraries.output.find(name) == std::string::npos);
+
+  const TemporaryFolder folder;
+  write_file(folder / "libOSMesa.so.8", "");
+  const std::string damaged = "LD_LIBRARY_PATH=" + folder.path().string(), run = (folder / "run").string();
+  const std::string scene = write_scene(folder, block_scene()).string();
+  const auto umax = [&](const Words& words) { return run_process(Words{"env", damaged, UMAX_PROGRAM} + words); };
+  const ProcessResult rasterised = umax({"run", scene, "--engine", "osmesa", "-o", run});
+  CHECK(rasterised.exit_code == 69);
+  check_message(rasterised);
+  CHECK(rasterised.messages.find("libosmesa6") != std::string::npos);
+  CHECK(!fs::exists(run));
+  CHECK(umax({"run", scene, "--engine", "embree", "--frames", "1-2", "--no-clip", "-o", run}).exit_code == 0);
+  const ProcessResult doctor = umax({"doctor", "-o", folder.path().string()});
+  CHECK(doctor.exit_code == 69);
+  CHECK(doctor.output.find("install libosmesa6") != std::string::npos);
 }
 
 TEST_CASE("umax doctor tells what is there, what is missing, and how to mend it") {

@@ -58,6 +58,10 @@ DrawnPicture drawn_picture(TracedPicture& picture, const RenderDescription& rend
 
 }  // namespace
 
+void require_engine(const RenderDescription& render) {
+  if (render.engine == RenderEngine::osmesa) require_rasterizer();
+}
+
 Painter::Painter(const RenderDescription& render, int threads) : render_(render), engine_(std::make_unique<Engine>()) {
   engine_->threads = threads;
   if (render.engine == RenderEngine::osmesa) engine_->rasterizer.emplace(threads);

@@ -28,6 +28,9 @@ struct DrawnPicture {
   Image8 shown;  // as the PNG has it
 };
 
+/// Throws Error (unavailable) when the library of the scene's engine is not there: for what would draw only after long work.
+void require_engine(const RenderDescription& render);
+
 /// Draws one picture after the other; keeps what the engine can use again.
 class Painter {
  public:

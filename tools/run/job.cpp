@@ -1,5 +1,4 @@
 #include "tools/run/job.h"
-#include "tools/setup/body_contact.h"
 
 #include <fmt/format.h>
 
@@ -15,6 +14,7 @@
 #include "scenes/resolved_scene.h"
 #include "tools/exchange/export_list.h"
 #include "tools/pictures/exposure.h"
+#include "tools/pictures/painter.h"
 #include "tools/run/clip.h"
 #include "tools/run/export_run.h"
 #include "tools/run/frame_list.h"
@@ -27,6 +27,7 @@
 #include "tools/run/run_record.h"
 #include "tools/run/simulate.h"
 #include "tools/run/step_plots.h"
+#include "tools/setup/body_contact.h"
 #include "tools/setup/limit_report.h"
 #include "tools/system/exit_code.h"
 #include "tools/system/machine_memory.h"
@@ -83,7 +84,9 @@ void check_before_start(const Job& job, const std::vector<int>& frames) {
     if (job.existing == ExistingFolder::keep)
       refuse_misfits(exports_path(job.folder), options, "remove it, or export with umax export and -o another folder");
   }
-  if (!job.pictures || !job.clip) return;
+  if (!job.pictures) return;
+  require_engine(job.scene.render);
+  if (!job.clip) return;
   require_even_size(job.scene.render.width, job.scene.render.height);
   require_clip_encoder();
 }
