@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/catch.h"
@@ -121,6 +124,26 @@ TEST_CASE("each of several meshes is dropped once, and they are named after thei
   for (const BodyDescription& body : scene.bodies) CHECK(body.scale == 0.3);
   CHECK(error_code_of([&] { scene_of_meshes({tip, tip}, 1, options); }) == 2);
   CHECK(error_code_of([&] { scene_of_meshes({tip, folder / "none.obj"}, 2, options); }) == 66);
+}
+
+TEST_CASE("several meshes without colours of their own are told apart by tones, the first one is of clay") {
+  const TemporaryFolder folder;
+  const auto tip = write_mesh(folder);
+  make_file(folder / "red.obj",
+            "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1 1 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const auto color_of = [](const Scene& scene, const std::string& name) {
+    const auto found = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                    [&](const BodyDescription& body) { return body.name == name; });
+    REQUIRE(found != scene.bodies.end());
+    return found->look.base_color;
+  };
+  const Scene alone = scene_of_height(tip, "1 m"), heap = scene_of_meshes({tip, folder / "red.obj"}, 10, Options());
+  const Vector3f clay = alone.bodies.front().look.base_color;
+  CHECK(color_of(heap, "tip_1") == clay);
+  for (int a = 1; a <= 3; ++a)
+    for (int b = 1; b < a; ++b)
+      CHECK((color_of(heap, fmt::format("tip_{}", a)) - color_of(heap, fmt::format("tip_{}", b))).norm() > 0.1f);
+  for (int n = 1; n <= 5; ++n) CHECK(color_of(heap, fmt::format("red_{}", n)) == Look().base_color);
 }
 
 TEST_CASE("an input is a folder, a mesh or a scene") {

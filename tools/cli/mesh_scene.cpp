@@ -67,7 +67,7 @@ struct MeshFacts {
   double height = 0;    // [m]
   double diagonal = 0;  // [m] of its box
   double scale = 1;     // [-] by which --height changes it
-  Look look;
+  bool has_own_colors = false;
 };
 
 [[noreturn]] void refuse_height(const fs::path& path, double height, const std::optional<double>& file_unit) {
@@ -88,7 +88,7 @@ MeshFacts look_at_mesh(const fs::path& path, const Options& options) {
   std::error_code error;
   if (!fs::exists(path, error))
     throw Error(Fault::not_found, {.where = path.string(), .what = "does not exist", .remedy = "check the path"});
-  MeshFacts facts{.path = path, .source = {}, .look = {}};
+  MeshFacts facts{.path = path, .source = {}};
   facts.source.path = fs::absolute(path).lexically_normal();
   facts.source.up = options.up;
   if (options.unit) facts.source.unit = parse_unit(*options.unit);
@@ -105,16 +105,16 @@ MeshFacts look_at_mesh(const fs::path& path, const Options& options) {
   facts.diagonal = size.norm();
   if (!(facts.height >= smallest_height && facts.height <= largest_height))
     refuse_height(path, facts.height, placement.unit);
-  facts.look = studio_look(file.mesh.colors.rows() > 0 || !file.materials.empty());
+  facts.has_own_colors = file.mesh.colors.rows() > 0 || !file.materials.empty();
   facts.source.sha256 = sha256_of_file(facts.source.path);
   return facts;
 }
 
-/// All but its name and place.
-BodyDescription body_of(const MeshFacts& facts, const Options& options) {
+/// All but its name and place. number: of the body in the scene.
+BodyDescription body_of(const MeshFacts& facts, int number, const Options& options) {
   BodyDescription body;
   body.source = facts.source;
-  body.look = facts.look;
+  body.look = studio_look(facts.has_own_colors, number);
   body.material.young = young_per_height * facts.height;
   body.limit = {.kind = LimitKind::hard,
                 .unit = LimitUnit::stretch,
@@ -216,7 +216,7 @@ Vector3d turn_of(int n) {
 
 Scene scene_of_mesh(const fs::path& path, double drop_height, const Options& options) {
   const MeshFacts facts = look_at_mesh(path, options);
-  BodyDescription body = body_of(facts, options);
+  BodyDescription body = body_of(facts, 0, options);
   body.name = "body";
   body.height = wanted_height(options);
   body.position = Vector3d(0, (drop_height + 0.5) * facts.height, 0);
@@ -251,7 +251,7 @@ Scene scene_of_meshes(const std::vector<fs::path>& paths, int count, const Optio
   scene.description = fmt::format("{} bodies fall on the ground and on each other", count);
   for (int i = 0; i < count; ++i) {
     const MeshFacts& facts = meshes[std::size_t(i) % meshes.size()];
-    BodyDescription body = body_of(facts, options);
+    BodyDescription body = body_of(facts, i, options);
     body.name = body_name(meshes, i, count);
     if (options.height) body.scale = facts.scale;
     body.rotation_degrees = turn_of(i / int(meshes.size()));

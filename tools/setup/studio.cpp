@@ -1,6 +1,7 @@
 #include "tools/setup/studio.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
@@ -96,9 +97,15 @@ void light_scene(const Eigen::AlignedBox3d& bodies, Scene& scene) {
   }
 }
 
-Look studio_look(bool has_own_colors) {
+Look studio_look(bool has_own_colors, int number) {
+  static const std::array<Vector3f, 6> tones{Vector3f(0.5f, 0.18f, 0.07f),    // clay
+                                             Vector3f(0.03f, 0.17f, 0.2f),    // petrol
+                                             Vector3f(0.52f, 0.29f, 0.05f),   // ochre
+                                             Vector3f(0.13f, 0.2f, 0.08f),    // moss
+                                             Vector3f(0.52f, 0.43f, 0.32f),   // sand
+                                             Vector3f(0.09f, 0.14f, 0.27f)};  // slate
   Look look;
-  if (!has_own_colors) look.base_color = {0.5f, 0.18f, 0.07f};
+  if (!has_own_colors) look.base_color = tones[std::size_t(number) % tones.size()];
   look.roughness = 0.38f;
   look.clearcoat = 0.35f;
   return look;

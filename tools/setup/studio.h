@@ -20,7 +20,8 @@ void add_stage(Scene& scene, Staging staging, double size, double floor);
 /// [m]. Grounds without `fade` pass into the studio's horizon.
 void light_scene(const Eigen::AlignedBox3d& bodies, Scene& scene);
 
-/// Smooth and a little glossy; clay for a mesh without colours of its own.
-Look studio_look(bool has_own_colors);
+/// Smooth and a little glossy. A mesh without colours of its own is of clay; the next bodies of several (number 1, 2, …) have
+/// tones that go with it, so that they are told apart.
+Look studio_look(bool has_own_colors, int number = 0);
 
 }  // namespace umax
