@@ -7,7 +7,9 @@
 namespace umax {
 namespace {
 
-constexpr double multigrid_hexes = 2000;  // from which on multigrids are faster than factors, contacts or not
+// From how many hexes on multigrids are faster than factors. What bodies that touch do to each other is known to factors and
+// has to be found out on multigrids, contact by contact: there it takes a larger body.
+constexpr double alone = 600, together = 2000;
 
 std::optional<ErrorText> multigrid_obstacle(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
   const std::string direct = "or leave solver.linear out";
@@ -31,8 +33,8 @@ std::optional<ErrorText> multigrid_obstacle(const std::vector<LinearTraits>& bod
 
 bool wants_multigrid(const std::vector<LinearTraits>& bodies, const SolverOptions& solver) {
   if (solver.linear != LinearSolver::automatic) return solver.linear == LinearSolver::multigrid;
-  return std::any_of(bodies.begin(), bodies.end(),
-                     [](const LinearTraits& body) { return body.hexes >= multigrid_hexes; });
+  const double least = bodies.size() == 1 ? alone : together;
+  return std::any_of(bodies.begin(), bodies.end(), [&](const LinearTraits& body) { return body.hexes >= least; });
 }
 
 }  // namespace

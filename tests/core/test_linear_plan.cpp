@@ -25,8 +25,8 @@ TEST_CASE("the linear solver is the one asked for, or the faster one that suits 
     return plan_linear_solvers(bodies, {.linear = asked}).bodies;
   };
   const LinearSolver automatic = LinearSolver::automatic;
-  CHECK(plan({lattice(1999)}, automatic) == Plan{direct});
-  CHECK(plan({lattice(2000)}, automatic) == Plan{multigrid});
+  CHECK(plan({lattice(599)}, automatic) == Plan{direct});
+  CHECK(plan({lattice(600)}, automatic) == Plan{multigrid});
   CHECK(plan({irregular(5000)}, automatic) == Plan{direct});
   CHECK(plan({lattice(5000)}, LinearSolver::direct) == Plan{direct});
   CHECK(plan({lattice(8)}, LinearSolver::multigrid) == Plan{multigrid});
@@ -65,6 +65,9 @@ TEST_CASE("a model tells the same traits as its bodies") {
   large.name = "large";
   CHECK(plan_linear_solvers(make_model({small, large}, {}), {}).bodies == Plan{multigrid, multigrid});
   CHECK(plan_linear_solvers(make_model({small}, {}), {}).bodies == Plan{direct});
+  const Body middle = test::make_block({10, 10, 10}, {0, 5, 0}, 0.1);
+  CHECK(plan_linear_solvers(make_model({middle}, {}), {}).bodies == Plan{multigrid});
+  CHECK(plan_linear_solvers(make_model({middle, small}, {}), {}).bodies == Plan{direct, direct});
   const Body bent = test::turned(test::make_beam(), rotation_from_degrees({10, 0, 0}));
   CHECK(plan_linear_solvers(make_model({large, bent}, {}), {}).against_multigrid);
 }

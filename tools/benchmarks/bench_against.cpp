@@ -123,6 +123,13 @@ std::vector<Comparison> comparisons() {
                  .must = 1,
                  .aim = 0.5,
                  .turns = 5});
+  all.push_back({.name = "figure-1k",
+                 .what = "figure, 1,000 hexes: a second with its landing",
+                 .scene = "figure",
+                 .words = with(figure("1000"), second),
+                 .measure = all_steps,
+                 .must = 0.5,
+                 .aim = 0.3});
   all.push_back({.name = "figure-2k",
                  .what = "figure, 2,000 hexes: a second with its landing",
                  .scene = "figure",
