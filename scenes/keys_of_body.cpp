@@ -22,15 +22,16 @@ auto shape_part(T Shape::* member) {
 }
 
 void set_shape(const SceneValue& value, BodyDescription& body) {
-  const std::string shape = WordKind{{"box", "sphere", "cylinder", "figure"}}.read(value);
+  const std::string shape = WordKind{{"box", "sphere", "cylinder", "ring", "figure"}}.read(value);
   if (shape == "box") body.source = BoxShape();
   if (shape == "sphere") body.source = SphereShape();
   if (shape == "cylinder") body.source = CylinderShape();
+  if (shape == "ring") body.source = RingShape();
   if (shape == "figure") body.source = FigureShape();
 }
 
 std::optional<std::string> get_shape(const BodyDescription& body) {
-  constexpr const char* names[] = {"", "box", "sphere", "cylinder", "figure"};
+  constexpr const char* names[] = {"", "box", "sphere", "cylinder", "ring", "figure"};
   if (std::holds_alternative<MeshSource>(body.source)) return std::nullopt;
   return toml_string(names[body.source.index()]);
 }
@@ -41,30 +42,36 @@ void add_shape_keys(Keys& keys) {
   const auto become_mesh = [](const SceneValue&, BodyDescription& body) {
     if (!std::holds_alternative<MeshSource>(body.source)) body.source = MeshSource();
   };
-  keys.add_custom("shape", R"("box", "sphere", "cylinder", "figure")",
+  keys.add_custom("shape", R"("box", "sphere", "cylinder", "ring", "figure")",
                   "what it is, if no mesh: the figure is the built-in character",
                   {.group = "mesh or shape",
-                   .resets = {"mesh_from", "mesh_sha256", "unit", "up", "size", "radius", "length"},
+                   .resets = {"mesh_from", "mesh_sha256", "unit", "up", "size", "radius", "length", "thickness"},
                    .defines = true},
                   set_shape, get_shape);
   add_mesh_keys(keys, mesh_of, become_mesh,
                 {.unset = "none",
                  .group = "mesh or shape",
-                 .resets = {"size", "radius", "length", "mesh_sha256"},
+                 .resets = {"size", "radius", "length", "thickness", "mesh_sha256"},
                  .defines = true});
   keys.add("size", VectorKind{units::length, positive_length}, shape_part(&BoxShape::size), "edges of a box",
            {.unset = VectorKind().write(BoxShape().size), .belongs_to = "shape = \"box\""});
   const auto radius = [](auto& body) {
     if (auto* sphere = std::get_if<SphereShape>(&body.source)) return &sphere->radius;
+    if (auto* ring = std::get_if<RingShape>(&body.source)) return &ring->radius;
     auto* cylinder = std::get_if<CylinderShape>(&body.source);
     return cylinder ? &cylinder->radius : nullptr;
   };
-  keys.add("radius", NumberKind{units::length, positive_length}, radius, "of a sphere or cylinder",
-           {.unset = number_text(SphereShape().radius) + ", cylinder " + number_text(CylinderShape().radius),
-            .belongs_to = "shape = \"sphere\" or \"cylinder\""});
+  keys.add("radius", NumberKind{units::length, positive_length}, radius,
+           "of a sphere or cylinder, or of the circle in the middle of a ring, around z",
+           {.unset = number_text(SphereShape().radius) + ", cylinder " + number_text(CylinderShape().radius) +
+                     ", ring " + number_text(RingShape().radius),
+            .belongs_to = "shape = \"sphere\", \"cylinder\" or \"ring\""});
   keys.add("length", NumberKind{units::length, positive_length}, shape_part(&CylinderShape::length),
            "of a cylinder, along x",
            {.unset = number_text(CylinderShape().length), .belongs_to = "shape = \"cylinder\""});
+  keys.add("thickness", NumberKind{units::length, positive_length}, shape_part(&RingShape::thickness),
+           "of a ring, less than twice its radius",
+           {.unset = number_text(RingShape().thickness), .belongs_to = "shape = \"ring\""});
 }
 
 template <class Keys>

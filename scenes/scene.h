@@ -55,8 +55,11 @@ struct SphereShape {
 struct CylinderShape {
   double radius = 0.06, length = 1;  // [m] axis along x
 };
+struct RingShape {
+  double radius = 0.5, thickness = 0.2;  // [m] around z, of the circle in the middle of its thickness
+};
 struct FigureShape {};  // the built-in character, 2 m tall unless height is given
-using BodySource = std::variant<MeshSource, BoxShape, SphereShape, CylinderShape, FigureShape>;
+using BodySource = std::variant<MeshSource, BoxShape, SphereShape, CylinderShape, RingShape, FigureShape>;
 
 struct CageDescription {
   enum class Clip { filled, box };  // cells that touch the solid, or the whole grid

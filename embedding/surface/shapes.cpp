@@ -180,6 +180,31 @@ TriangleMesh make_cylinder(double radius, double length) {
   return builder.mesh();
 }
 
+TriangleMesh make_ring(double radius, double thickness) {
+  require_positive("radius", radius);
+  require_positive("thickness", thickness);
+  if (!(thickness < 2 * radius))
+    throw Error(Fault::bad_data, {"ring", "leaves no hole", fmt::format("a thickness of {:g} m", thickness),
+                                  fmt::format("give one below twice its radius, {:g} m", 2 * radius)});
+  constexpr int segments = 192, around = 64;
+  MeshBuilder builder;
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2 * std::numbers::pi * i / segments;
+    const Vector3d outward(std::cos(angle), std::sin(angle), 0);
+    for (int j = 0; j < around; ++j) {
+      const double turn = 2 * std::numbers::pi * j / around;
+      const Vector3d normal = std::cos(turn) * outward + std::sin(turn) * Vector3d::UnitZ();
+      builder.add(radius * outward + 0.5 * thickness * normal, normal);
+    }
+  }
+  for (int i = 0; i < segments; ++i)
+    for (int j = 0; j < around; ++j) {
+      const int a = i * around, b = (i + 1) % segments * around, k = (j + 1) % around;
+      builder.add_quad(a + j, b + j, b + k, a + k);
+    }
+  return builder.mesh();
+}
+
 TriangleMesh make_bowl(double radius, double thickness) {
   require_positive("radius", radius);
   require_positive("thickness", thickness);

@@ -1,4 +1,4 @@
-// The built-in shapes, boxes, spheres and cylinders, as closed surfaces fine enough to bend with their cage.
+// The built-in shapes, boxes, spheres, cylinders and rings, as closed surfaces fine enough to bend with their cage.
 #pragma once
 
 #include "core/base/triangle_mesh.h"
@@ -14,6 +14,10 @@ TriangleMesh make_sphere(double radius, int subdivisions = 5);
 
 /// Cylinder along x centred at the origin, flat caps with a hard rim, about 21,000 triangles for a 1 m x 12 cm beam.
 TriangleMesh make_cylinder(double radius, double length);
+
+/// Ring (torus) around z centred at the origin: the circle in the middle of its thickness has this radius [m]. About 24,600
+/// triangles. Throws Error (bad_data) where it leaves no hole.
+TriangleMesh make_ring(double radius, double thickness);
 
 /// Bowl that stands with its bottom on the origin: a cap of a spherical shell, 65 degrees from the axis to a rounded rim
 /// of this radius [m], measured in the middle of its thickness [m].

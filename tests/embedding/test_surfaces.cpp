@@ -46,6 +46,7 @@ TEST_CASE("shapes are watertight, face outwards and have the right volume") {
   check(make_box({1, 2, 3}), 6, 1e-12);
   check(make_sphere(0.5), unit_sphere_volume / 8, 1e-3);
   check(make_cylinder(0.06, 1), pi * 0.0036, 2e-3);
+  check(make_ring(0.5, 0.2), 2 * pi * 0.5 * pi * 0.01, 3e-3);
   const double rim = 65 * pi / 180, middle = 0.5 / std::sin(rim), half = 0.03;
   check(make_bowl(0.5, 2 * half),
         2 * pi * (1 - std::cos(rim)) / 3 * (std::pow(middle + half, 3) - std::pow(middle - half, 3)) +
@@ -58,6 +59,7 @@ TEST_CASE("shapes are watertight, face outwards and have the right volume") {
   CHECK_THROWS_AS(make_sphere(-1), Error);
   CHECK_THROWS_AS(make_box({1, 0, 1}), Error);
   CHECK_THROWS_AS(make_bowl(0.5, 2), Error);
+  CHECK_THROWS_AS(make_ring(0.5, 1), Error);
 }
 
 TEST_CASE("a report counts a mesh's faults") {

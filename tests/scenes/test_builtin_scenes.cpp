@@ -18,7 +18,7 @@ TEST_CASE("the built-in scenes are those of the manual, sorted, each with one li
   }
   CHECK(std::is_sorted(names.begin(), names.end()));
   for (const char* name :
-       {"armadillo", "beam", "bowl", "collapse", "figure", "heap", "hug", "sphere", "squeeze", "turntable"})
+       {"armadillo", "beam", "bowl", "chain", "collapse", "figure", "heap", "hug", "sphere", "squeeze", "turntable"})
     CHECK(std::count(names.begin(), names.end(), name) == 1);
 }
 

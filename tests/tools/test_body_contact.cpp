@@ -1,13 +1,17 @@
 // Which bodies of a scene touch each other, and what is said of those that cannot.
 #include "tools/setup/body_contact.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
+#include "embedding/embedding.h"
 #include "render/image/image_io.h"
 #include "scenes/scene_file.h"
 #include "tests/support/catch.h"
 #include "tests/tools/program.h"
 #include "tools/setup/simulation_setup.h"
+#include "tools/setup/stepping.h"
 
 using namespace umax;
 
@@ -36,7 +40,52 @@ std::vector<std::string> warnings_of(Model model, int num_open) {
   return warnings;
 }
 
+/// The middle of a ring's thickness, by its surface: make_ring() has 64 vertices around each place.
+Points centre_line(const Simulation& simulation, const State& state, std::size_t body) {
+  constexpr Eigen::Index around = 64;
+  const Model::BodyRange& range = simulation.model.bodies[body];
+  Points surface;
+  deform_positions(*simulation.bodies[body].embedding, simulation.bodies[body].lattice.hexes,
+                   state.positions.middleRows(range.first_node, range.num_nodes), surface);
+  Points line(surface.rows() / around, 3);
+  for (Eigen::Index i = 0; i < line.rows(); ++i) line.row(i) = surface.middleRows(around * i, around).colwise().mean();
+  return line;
+}
+
+/// How often one closed line winds around the other, by the integral of Gauss: a whole number, whatever their shape.
+double linking_number(const Points& a, const Points& b) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    for (Eigen::Index j = 0; j < b.rows(); ++j) {
+      const Eigen::Index k = (i + 1) % a.rows(), l = (j + 1) % b.rows();
+      const Vector3d along_a = a.row(k) - a.row(i), along_b = b.row(l) - b.row(j);
+      const Vector3d between = 0.5 * (a.row(k) + a.row(i) - b.row(l) - b.row(j));
+      sum += between.dot(along_a.cross(along_b)) / std::pow(between.norm(), 3);
+    }
+  return sum / (4 * std::numbers::pi);
+}
+
 }  // namespace
+
+TEST_CASE(
+    "the rings of the chain hang in each other while its fall stretches them, and none gets into the next but one") {
+  const Simulation simulation = set_up(load_scene("chain"));
+  Stepping stepping = begin_stepping(simulation);
+  State state = rest_state(simulation.model);
+  for (int step = 0; step < 32; ++step) {  // until the lowest ring has hit the ground
+    const StepReport report = advance(stepping, {}, state);
+    CHECK(report.status == StepStatus::converged);
+    CHECK(report.max_energy_ratio <= 1.001);
+    if (step % 8 != 7) continue;
+    CAPTURE(step);
+    std::vector<Points> lines;
+    for (std::size_t b = 0; b < simulation.bodies.size(); ++b) lines.push_back(centre_line(simulation, state, b));
+    for (std::size_t b = 1; b < lines.size(); ++b)
+      CHECK(std::abs(linking_number(lines[b - 1], lines[b])) == Approx(1).margin(0.02));
+    for (std::size_t b = 2; b < lines.size(); ++b)
+      CHECK(linking_number(lines[b - 2], lines[b]) == Approx(0).margin(0.02));
+  }
+}
 
 TEST_CASE("bodies touch as their keys say, both allowing it, and pairs are exceptions") {
   const Model model =

@@ -60,6 +60,9 @@ OwnShape shape_of(const SphereShape& sphere) {
 OwnShape shape_of(const CylinderShape& cylinder) {
   return shape_of_mesh(make_cylinder(cylinder.radius, cylinder.length));
 }
+OwnShape shape_of(const RingShape& ring) {
+  return shape_of_mesh(make_ring(ring.radius, ring.thickness));
+}
 OwnShape shape_of(const FigureShape&) {
   return shape_of_mesh(make_figure());
 }
@@ -75,6 +78,9 @@ bool are_same(const SphereShape& a, const SphereShape& b) {
 }
 bool are_same(const CylinderShape& a, const CylinderShape& b) {
   return a.radius == b.radius && a.length == b.length;
+}
+bool are_same(const RingShape& a, const RingShape& b) {
+  return a.radius == b.radius && a.thickness == b.thickness;
 }
 bool are_same(const FigureShape&, const FigureShape&) {
   return true;
