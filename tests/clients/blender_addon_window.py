@@ -87,7 +87,7 @@ def course():
     bpy.ops.wm.save_as_mainfile(filepath=os.path.dirname(job["folder"]) + "/scene.blend")
     scene.umax.folder = "//bake"
     scene.frame_end = 104
-    ball.umax.cells = 1500
+    ball.umax.cells = 12000  # which takes some seconds
     for thing in bpy.context.selected_objects:
         thing.select_set(False)
     ball.select_set(True)
