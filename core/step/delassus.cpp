@@ -8,36 +8,57 @@
 namespace umax {
 namespace {
 
-// J^T of the body's points from `first` on, its rows in elimination order
+constexpr Eigen::Index points_per_block = 64;  // of a body alone; several bodies are the work of several threads anyway
+
+// J^T of the body's points `first` ... `end` - 1, its rows in elimination order
 std::vector<SparseEntry> point_columns(const Model& model, const Model::BodyRange& body, const SystemMatrix& matrix,
-                                       const std::vector<Support>& points, std::size_t first) {
+                                       const std::vector<Support>& points, Eigen::Index first, Eigen::Index end) {
   std::vector<SparseEntry> entries;
-  for (std::size_t i = first; i < points.size(); ++i)
+  for (Eigen::Index i = first; i < end; ++i) {
+    const Support& point = points[std::size_t(i)];
     for (int n = 0; n < 8; ++n) {
-      const int node = model.hexes(points[i].hex, n);
+      const int node = model.hexes(point.hex, n);
       if (model.node_fixed[node]) continue;
       for (int axis = 0; axis < 3; ++axis)
         entries.push_back(
-            {3 * matrix.ranks[node - body.first_node] + axis, 3 * int(i - first) + axis, points[i].weights[n]});
+            {3 * matrix.ranks[node - body.first_node] + axis, 3 * int(i - first) + axis, point.weights[n]});
     }
+  }
   return entries;
 }
 
+// The columns of new points, some points at a time, and their products with all columns.
 void extend(const Model& model, const Model::BodyRange& body, const DirectSystem& system, BodyDelassus& delassus) {
-  const Eigen::Index known = delassus.W.cols(), size = 3 * Eigen::Index(delassus.points.size());
-  if (known == size) return;
-  const std::vector<SparseEntry> entries =
-      point_columns(model, body, *system.matrix, delassus.points, std::size_t(known / 3));
-  HalfColumns added = half_solve(system.cholesky.columns(), entries, size - known);
-  delassus.W.conservativeResize(size, size);
-  Eigen::Index first = 0;
-  for (const HalfColumns& half : delassus.halves) {
-    delassus.W.block(first, known, half.count, added.count) = products(half, added);
-    first += half.count;
+  const Eigen::Index known = delassus.W.cols() / 3, count = Eigen::Index(delassus.points.size());
+  if (known == count) return;
+  const std::size_t num_known = delassus.halves.size();
+  const Eigen::Index at_a_time = model.bodies.size() == 1 ? points_per_block : count;
+  delassus.halves.resize(num_known + std::size_t((count - known + at_a_time - 1) / at_a_time));
+  parallel_blocks(count - known, at_a_time, [&](Eigen::Index begin, Eigen::Index end) {
+    delassus.halves[num_known + std::size_t(begin / at_a_time)] = half_solve(
+        system.cholesky.columns(),
+        point_columns(model, body, *system.matrix, delassus.points, known + begin, known + end), 3 * (end - begin));
+  });
+
+  struct Pair {
+    std::size_t a = 0, b = 0;                      // of halves
+    Eigen::Index first_row = 0, first_column = 0;  // of their block of W
+  };
+  std::vector<Pair> pairs;
+  Eigen::Index first_column = 0;
+  for (std::size_t b = 0; b < delassus.halves.size(); first_column += delassus.halves[b++].count) {
+    if (b < num_known) continue;
+    Eigen::Index first_row = 0;
+    for (std::size_t a = 0; a <= b; first_row += delassus.halves[a++].count)
+      pairs.push_back({a, b, first_row, first_column});
   }
-  delassus.W.bottomRightCorner(added.count, added.count) = products(added);
-  delassus.W.bottomLeftCorner(added.count, known) = delassus.W.topRightCorner(known, added.count).transpose();
-  delassus.halves.push_back(std::move(added));
+  delassus.W.conservativeResize(3 * count, 3 * count);
+  parallel_blocks(Eigen::Index(pairs.size()), 1, [&](Eigen::Index i, Eigen::Index) {
+    const auto& [a, b, row, column] = pairs[std::size_t(i)];
+    const MatrixXd block = a == b ? products(delassus.halves[b]) : products(delassus.halves[a], delassus.halves[b]);
+    delassus.W.block(row, column, block.rows(), block.cols()) = block;
+    if (a != b) delassus.W.block(column, row, block.cols(), block.rows()) = block.transpose();
+  });
 }
 
 }  // namespace
