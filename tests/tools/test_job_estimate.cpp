@@ -32,7 +32,7 @@ JobSize cube(double edge_cells, bool multigrid) {
 Scene block_with(const std::vector<Override>& overrides) {
   std::vector<Override> all{{"body.block.rotation", "[0, 0, 0]"}};
   all.insert(all.end(), overrides.begin(), overrides.end());
-  return parse_scene({.text = block_scene()}, all);
+  return parse_scene({.text = box_scene()}, all);
 }
 
 }  // namespace
@@ -257,7 +257,7 @@ TEST_CASE("of several bodies every one that is too large is named a size") {
 
 TEST_CASE("a job that does not fit is refused before anything is made, and --memory overrides") {
   const TemporaryFolder folder;
-  const std::string scene = write_scene(folder, block_scene()).string(), run = (folder / "run").string();
+  const std::string scene = write_scene(folder, box_scene()).string(), run = (folder / "run").string();
   const Words huge{
       "simulate", scene, "-o", run, "--set", "body.block.cage.cells=5000000", "--set", "solver.linear=direct",
       "--frames", "1-2"};
