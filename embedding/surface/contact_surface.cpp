@@ -119,35 +119,40 @@ class Triage {
 
   /// A look at up to four points of each triangle is enough where no part lies in another.
   std::vector<Decision> decide() const {
-    std::vector<Decision> decisions = decide_each([&](int t) { return std::min(2, cuts(t)); });
+    std::vector<Decision> decisions(std::size_t(triangles_.rows()));
+    const auto at_first = [&](int t) { return std::min(2, cuts(t)); };
+    const auto where_parts_overlap = [&](int t) { return std::max(2, cuts(t)); };
+    std::vector<int> looked_at(decisions.size());
+    std::iota(looked_at.begin(), looked_at.end(), 0);
+    decide_each(looked_at, at_first, decisions);
     const bool overlaps = std::any_of(decisions.begin(), decisions.end(), [](const Decision& decision) {
       return decision.whole == Border::none || decision.is_mixed;
     });
-    return overlaps ? decide_each([&](int t) { return std::max(2, cuts(t)); }) : decisions;
+    if (!overlaps) return decisions;
+    std::erase_if(looked_at, [&](int t) { return at_first(t) == where_parts_overlap(t); });
+    decide_each(looked_at, where_parts_overlap, decisions);
+    return decisions;
   }
 
  private:
   template <class CutsOf>
-  std::vector<Decision> decide_each(const CutsOf& cuts_of) const {
+  void decide_each(const std::vector<int>& triangles, const CutsOf& cuts_of, std::vector<Decision>& decisions) const {
     constexpr std::size_t queries_at_once = 1 << 20;
-    std::vector<Decision> decisions;
-    decisions.reserve(std::size_t(triangles_.rows()));
     std::vector<SideQuery> queries;
-    for (int t = 0; t < int(triangles_.rows());) {
+    for (std::size_t i = 0; i < triangles.size();) {
       queries.clear();
-      for (; t < int(triangles_.rows()) && queries.size() < queries_at_once; ++t) {
-        const Cut cut(positions_, triangles_, t, cuts_of(t));
-        for (int p = 0; p < cut.num_pieces(); ++p) queries.push_back({t, cut.centre(p)});
+      for (; i < triangles.size() && queries.size() < queries_at_once; ++i) {
+        const Cut cut(positions_, triangles_, triangles[i], cuts_of(triangles[i]));
+        for (int p = 0; p < cut.num_pieces(); ++p) queries.push_back({triangles[i], cut.centre(p)});
       }
       const std::vector<WindingSides> sides = finder_.sides_at(queries);
       for (std::size_t q = 0; q < queries.size();) {
         std::vector<Border> borders;
-        for (const int of = queries[q].triangle; q < queries.size() && queries[q].triangle == of; ++q)
-          borders.push_back(border_between(sides[q]));
-        decisions.push_back(decision_from(std::move(borders)));
+        const int of = queries[q].triangle;
+        for (; q < queries.size() && queries[q].triangle == of; ++q) borders.push_back(border_between(sides[q]));
+        decisions[std::size_t(of)] = decision_from(std::move(borders));
       }
     }
-    return decisions;
   }
 
   static Decision decision_from(std::vector<Border> borders) {

@@ -14,8 +14,8 @@ namespace umax {
 namespace {
 
 constexpr double same_place = 1e-7;                 // [-] of the largest extent
-constexpr double rounding = 1e-9;                   // [-] of it, that boxes have to spare
-constexpr std::ptrdiff_t few_queries = 8;           // that are not worth a box of their own
+constexpr double rounding = 1e-9;                   // [-] of it, that the triangles' boxes have to spare
+constexpr std::ptrdiff_t few_queries = 16;           // that are not worth a box of their own
 constexpr std::size_t few_triangles = 16;           // likewise
 constexpr std::ptrdiff_t worth_a_thread = 1 << 12;  // [queries]
 
@@ -61,19 +61,16 @@ int steepest_axis(const Vector3d& normal) {
   return int(axis);
 }
 
-// whether a triangle and a box meet in the plane, for all that rounding says
-bool may_meet(const std::array<Eigen::Vector2d, 3>& corners, const Eigen::AlignedBox2d& box) {
-  Eigen::AlignedBox2d around(corners[0]);
-  around.extend(corners[1]).extend(corners[2]);
-  if (!around.intersects(box)) return false;
+// whether an edge of the triangle has all of the box beyond it in the plane
+bool passes_by(const std::array<Eigen::Vector2d, 3>& corners, const Eigen::AlignedBox2d& box) {
   const Eigen::Vector2d half_size = 0.5 * box.sizes();
   for (std::size_t side = 0; side < 3; ++side) {
     const Eigen::Vector2d edge = corners[(side + 1) % 3] - corners[side], across(-edge[1], edge[0]);
     const double apex = across.dot(corners[(side + 2) % 3] - corners[side]),
                  middle = across.dot(box.center() - corners[side]), reach = across.cwiseAbs().dot(half_size);
-    if (middle - reach > std::max(apex, 0.0) || middle + reach < std::min(apex, 0.0)) return false;
+    if (middle - reach > std::max(apex, 0.0) || middle + reach < std::min(apex, 0.0)) return true;
   }
-  return true;
+  return false;
 }
 
 struct Sorted {
@@ -97,8 +94,13 @@ struct SideFinder::Search {
   int axis, u, v;
   const std::vector<SideQuery>& queries;
   std::vector<WindingSides>& sides;
+  std::vector<Eigen::Vector2d> points{};     // of the queries
+  std::vector<Eigen::AlignedBox2d> boxes{};  // around each triangle, with rounding to spare
 
   Eigen::Vector2d flat(const Vector3d& p) const { return {p[u], p[v]}; }
+  std::array<Eigen::Vector2d, 3> flat(const Corners& corners) const {
+    return {flat(corners[0]), flat(corners[1]), flat(corners[2])};
+  }
 };
 
 SideFinder::SideFinder(const Points& positions, const Triangles& triangles)
@@ -131,13 +133,28 @@ void SideFinder::find_copies() {
     if (times_[t] != 0) counting_.push_back(int(t));
 }
 
+// the box with what rounding may take from it
+Eigen::AlignedBox2d SideFinder::with_spare(const Eigen::AlignedBox2d& box) const {
+  const Eigen::Vector2d spare = Eigen::Vector2d::Constant(rounding * extent_);
+  return {box.min() - spare, box.max() + spare};
+}
+
 std::vector<WindingSides> SideFinder::sides_at(const std::vector<SideQuery>& queries) const {
   std::vector<WindingSides> sides(queries.size());
   std::array<std::vector<int>, 3> along;
   for (std::size_t q = 0; q < queries.size(); ++q)
     along[steepest_axis(area_normal(corners_of(positions_, triangles_, queries[q].triangle)))].push_back(int(q));
-  for (int axis = 0; axis < 3; ++axis)
-    descend({axis, (axis + 1) % 3, (axis + 2) % 3, queries, sides}, along[axis].begin(), along[axis].end(), counting_);
+  for (int axis = 0; axis < 3; ++axis) {
+    Search search{axis, (axis + 1) % 3, (axis + 2) % 3, queries, sides};
+    for (const SideQuery& query : queries) search.points.push_back(search.flat(query.point));
+    search.boxes.resize(std::size_t(triangles_.rows()));
+    for (const int t : counting_) {
+      Eigen::AlignedBox2d& box = search.boxes[std::size_t(t)];
+      for (const Eigen::Vector2d& corner : search.flat(corners_of(positions_, triangles_, t))) box.extend(corner);
+      box = with_spare(box);
+    }
+    descend(search, along[axis].begin(), along[axis].end(), counting_);
+  }
   return sides;
 }
 
@@ -145,59 +162,59 @@ std::vector<WindingSides> SideFinder::sides_at(const std::vector<SideQuery>& que
 void SideFinder::descend(const Search& search, std::vector<int>::iterator first, std::vector<int>::iterator last,
                          const std::vector<int>& triangles) const {
   if (last - first <= few_queries || triangles.size() <= few_triangles) {
-    for (auto q = first; q != last; ++q) search.sides[*q] = sides_at(search.queries[*q], search.axis, triangles);
+    for (auto q = first; q != last; ++q) search.sides[*q] = sides_at(search, search.queries[*q], triangles);
     return;
   }
   const auto box_of = [&](auto begin, auto end) {
     Eigen::AlignedBox2d box;
-    for (auto q = begin; q != end; ++q) box.extend(search.flat(search.queries[*q].point));
+    for (auto q = begin; q != end; ++q) box.extend(search.points[std::size_t(*q)]);
     return box;
   };
   const Eigen::Vector2d sizes = box_of(first, last).sizes();
-  const int across = sizes[0] >= sizes[1] ? search.u : search.v;
+  const int across = sizes[0] >= sizes[1] ? 0 : 1;
   const auto middle = first + (last - first) / 2;
   std::nth_element(first, middle, last, [&](int a, int b) {
-    return std::pair(search.queries[a].point[across], a) < std::pair(search.queries[b].point[across], b);
+    return std::pair(search.points[std::size_t(a)][across], a) < std::pair(search.points[std::size_t(b)][across], b);
   });
-  const auto descend_half = [&](auto begin, auto end) {
-    Eigen::AlignedBox2d box = box_of(begin, end);
-    const Eigen::Vector2d spare = Eigen::Vector2d::Constant(rounding * extent_);
-    box.min() -= spare;
-    box.max() += spare;
-    std::vector<int> met;
-    for (const int t : triangles) {
-      const Corners corners = corners_of(positions_, triangles_, t);
-      if (may_meet({search.flat(corners[0]), search.flat(corners[1]), search.flat(corners[2])}, box)) met.push_back(t);
+  const std::array<Eigen::AlignedBox2d, 2> halves{box_of(first, middle), box_of(middle, last)};
+  std::array<std::vector<int>, 2> met;
+  for (const int t : triangles) {
+    const Eigen::AlignedBox2d& box = search.boxes[std::size_t(t)];
+    for (const std::size_t half : {0, 1}) {
+      if (!box.intersects(halves[half])) continue;
+      // a triangle's own box tells enough where it is small
+      const bool is_small = (box.sizes().array() <= halves[half].sizes().array()).all();
+      if (is_small || !passes_by(search.flat(corners_of(positions_, triangles_, t)), with_spare(halves[half])))
+        met[half].push_back(t);
     }
-    descend(search, begin, end, met);
-  };
+  }
   if (last - first < worth_a_thread) {
-    descend_half(first, middle);
-    descend_half(middle, last);
+    descend(search, first, middle, met[0]);
+    descend(search, middle, last, met[1]);
   } else {
-    tbb::parallel_invoke([&] { descend_half(first, middle); }, [&] { descend_half(middle, last); });
+    tbb::parallel_invoke([&] { descend(search, first, middle, met[0]); },
+                         [&] { descend(search, middle, last, met[1]); });
   }
 }
 
-WindingSides SideFinder::sides_at(const SideQuery& query, int axis, const std::vector<int>& triangles) const {
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3, own = first_copy_[query.triangle];
+WindingSides SideFinder::sides_at(const Search& search, const SideQuery& query,
+                                  const std::vector<int>& triangles) const {
+  const int axis = search.axis, own = first_copy_[query.triangle];
   const Vector3d& point = query.point;
-  const auto flat = [&](const Vector3d& p) { return Eigen::Vector2d(p[u], p[v]); };
-  const auto turns_of = [&](const Corners& corners) {
-    return turns_around({flat(corners[0]), flat(corners[1]), flat(corners[2])}, flat(point));
-  };
+  const Eigen::Vector2d flat_point = search.flat(point);
+  const auto turns_of = [&](const Corners& corners) { return turns_around(search.flat(corners), flat_point); };
   const bool faces_up = area_normal(corners_of(positions_, triangles_, query.triangle))[axis] > 0;
   const double touching = same_place * extent_;
   int below = 0, change = faces_up ? -1 : 1;  // on the way up: through what lies below, and through what lies here
   if (const int copies = times_[own] - direction_[query.triangle]; copies != 0)
     change -= copies * turns_of(corners_of(positions_, triangles_, own));
   for (const int other : triangles) {
-    if (other == own) continue;
+    if (other == own || !search.boxes[std::size_t(other)].contains(flat_point)) continue;
     const Corners corners = corners_of(positions_, triangles_, other);
     if (std::min({corners[0][axis], corners[1][axis], corners[2][axis]}) > point[axis] + touching) continue;
     const int turns = times_[other] * turns_of(corners);
     if (turns == 0) continue;
-    const double height = height_at(corners, point, u, v, axis);
+    const double height = height_at(corners, point, search.u, search.v, axis);
     if (height < point[axis] - touching)
       below -= turns;
     else if (height <= point[axis] + touching)

@@ -1,6 +1,7 @@
 // Winding numbers of a closed surface on both sides of its own triangles.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "core/base/triangle_mesh.h"
@@ -31,7 +32,8 @@ class SideFinder {
   struct Search;
   void descend(const Search& search, std::vector<int>::iterator first, std::vector<int>::iterator last,
                const std::vector<int>& triangles) const;
-  WindingSides sides_at(const SideQuery& query, int axis, const std::vector<int>& triangles) const;
+  WindingSides sides_at(const Search& search, const SideQuery& query, const std::vector<int>& triangles) const;
+  Eigen::AlignedBox2d with_spare(const Eigen::AlignedBox2d& box) const;
   void find_copies();
 
   const Points& positions_;
