@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "core/base/parallel.h"
 
 namespace umax {
 namespace {
@@ -221,15 +224,22 @@ void refit_tree(RestSurface& surface) {
   if (!boxes.empty()) surface.box = boxes.front();
 }
 
+// Both at once: neither reads what the other writes.
+void side_by_side(const std::function<void()>& first, const std::function<void()>& second) {
+  parallel_blocks(2, 1, [&](Eigen::Index i, Eigen::Index) { i == 0 ? first() : second(); });
+}
+
 }  // namespace
 
 RestSurface make_rest_surface(const Points& vertices, const Triangles& triangles) {
   RestSurface surface;
   weld(vertices, triangles, surface);
-  find_normals(surface);
-  build_tree(surface);
-  line_up_corners(surface);
-  prepare_cache(surface);
+  side_by_side([&] { find_normals(surface); },
+               [&] {
+                 build_tree(surface);
+                 line_up_corners(surface);
+                 prepare_cache(surface);
+               });
   return surface;
 }
 
@@ -239,9 +249,11 @@ RestSurface moved_surface(const RestSurface& surface, const Points& vertices) {
   moved.triangles = surface.triangles;
   moved.nodes = surface.nodes;
   moved.order = surface.order;
-  find_normals(moved);
-  refit_tree(moved);
-  line_up_corners(moved);
+  side_by_side([&] { find_normals(moved); },
+               [&] {
+                 refit_tree(moved);
+                 line_up_corners(moved);
+               });
   return moved;
 }
 
