@@ -158,4 +158,9 @@ PixelFilter::PixelFilter() {
   inverse_[num_entries] = inverse_[num_entries - 1];
 }
 
+const PixelFilter& pixel_filter() {
+  static const PixelFilter filter;
+  return filter;
+}
+
 }  // namespace umax

@@ -131,4 +131,7 @@ class PixelFilter {
   std::array<float, num_entries + 1> inverse_;
 };
 
+/// The one filter of all pictures: its table takes longer than a small picture.
+const PixelFilter& pixel_filter();
+
 }  // namespace umax

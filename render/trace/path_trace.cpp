@@ -62,7 +62,7 @@ PathTracer make_tracer(const RayScene& rays, const RenderScene& scene, const Pat
                     .keeps_parts = !options.mattes.empty() || has_shadow_catchers(scene),
                     .sequence = SampleSequence(in_sequence * options.blocks, options.seed),
                     .first_sample = in_sequence * options.block,
-                    .filter = {},
+                    .filter = pixel_filter(),
                     .bounces = options.bounces};
   for (const RenderObject& object : scene.objects)
     tracer.looks.push_back(make_bsdf_look(object.look, "object " + object.name));

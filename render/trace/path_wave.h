@@ -30,7 +30,7 @@ struct PathTracer {
   bool keeps_parts = false;         // whether it is asked which surfaces paths met first
   SampleSequence sequence;
   int first_sample = 0;  // of the picture, in the sequence
-  PixelFilter filter;
+  const PixelFilter& filter;
   int bounces;
 };
 

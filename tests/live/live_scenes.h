@@ -13,7 +13,8 @@ namespace umax::test {
 /// A block of 8 hexes a little above the ground.
 inline std::string live_scene_text(const std::string& body = {}, const std::string& clip = {}) {
   return "[clip]\nframes = 20\nsubsteps = 2\n" + clip +
-         "[body.block]\nshape = \"box\"\nsize = [0.4, 0.4, 0.4]\nposition = [0, 0.24, 0]\nrotation = [10, 0, 20]\n"
+         "[body.block]\nmesh = \"" UMAX_SOURCE_DIR
+         "/tests/support/block.obj\"\nposition = [0, 0.24, 0]\nrotation = [10, 0, 20]\n"
          "cage.cells = [2, 2, 2]\nmaterial.young = \"20 kPa\"\nlimit.stretch = \"10 %\"\n" +
          body + "[obstacle.ground]\nshape = \"plane\"\n";
 }

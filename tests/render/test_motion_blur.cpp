@@ -47,7 +47,7 @@ double time_covered(double x, double y, double x0, double x1) {
 
 // of a pixel, through its filter
 double expected_light(int column, int row, double x0, double x1) {
-  const PixelFilter filter;
+  const PixelFilter& filter = pixel_filter();
   constexpr int steps = 48;
   double covered = 0;
   for (int i = 0; i < steps; ++i) {
