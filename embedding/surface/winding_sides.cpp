@@ -15,7 +15,7 @@ namespace {
 
 constexpr double same_place = 1e-7;                 // [-] of the largest extent
 constexpr double rounding = 1e-9;                   // [-] of it, that the triangles' boxes have to spare
-constexpr std::ptrdiff_t few_queries = 16;           // that are not worth a box of their own
+constexpr std::ptrdiff_t few_queries = 16;          // that are not worth a box of their own
 constexpr std::size_t few_triangles = 16;           // likewise
 constexpr std::ptrdiff_t worth_a_thread = 1 << 12;  // [queries]
 
