@@ -1,5 +1,7 @@
 #include <sys/stat.h>
 
+#include "core/base/error.h"
+#include "core/files/read_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/error_code_of.h"
@@ -104,6 +106,26 @@ TEST_CASE("a folder in use by a living run is locked, whatever is asked") {
       CHECK(code_of_opening(temporary / "run", existing) == 75);
   }
   CHECK(code_of_opening(temporary / "run", ExistingFolder::keep) == 0);
+}
+
+TEST_CASE("a file that is not found since the run's folder has vanished is told as that") {
+  const TemporaryFolder temporary;
+  const RunFolder folder(temporary / "run", ExistingFolder::refuse);
+  const auto told = [&] {
+    try {
+      read_file(folder.state(3));
+    } catch (const Error& error) {
+      return explained(folder, error);
+    }
+    return Error(Fault::internal, {"the state", "is there", "", ""});
+  };
+  CHECK(told().fault() == Fault::not_found);
+  CHECK(told().text().where == folder.state(3));
+  fs::rename(temporary / "run", temporary / "elsewhere");
+  CHECK(told().fault() == Fault::io_error);
+  CHECK(told().text().where == folder.path());
+  CHECK(told().text().what == "has vanished");
+  fs::rename(temporary / "elsewhere", temporary / "run");
 }
 
 TEST_CASE("states are counted up to the first gap") {

@@ -248,7 +248,7 @@ int do_recorded_stages(const JobInHand& hand, const std::string& scene_text, std
     write_if_different(hand.folder.scene(), scene_text);
     return do_stages(hand, std::move(ready));
   } catch (const Error& error) {
-    const Error told(fault_in(hand.folder, error), error.text());
+    const Error cause = explained(hand.folder, error), told(fault_in(hand.folder, cause), cause.text());
     hand.keeper.finish_after_error(exit_code_of(told.fault()), std::string("error: ") + told.what());
     throw told;
   } catch (const std::bad_alloc&) {

@@ -113,6 +113,12 @@ void RunFolder::remove_pictures() const {
   fs::remove(pictures(), error);
 }
 
+Error explained(const RunFolder& folder, const Error& error) {
+  std::error_code unknown;
+  const bool is_gone = error.fault() == Fault::not_found && !fs::exists(folder.path(), unknown);
+  return is_gone ? vanished(folder.path()) : error;
+}
+
 void remove_run(const fs::path& path) {
   {
     const RunFolder emptied(path, ExistingFolder::overwrite);

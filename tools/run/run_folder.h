@@ -61,6 +61,9 @@ class RunFolder {
   LockedFolder folder_;
 };
 
+/// The error as it is to be told: of a file that is not found because the run's folder has vanished, that it has.
+Error explained(const RunFolder& folder, const Error& error);
+
 /// Removes a run and its folder, unless that holds other files too. Throws what RunFolder throws.
 void remove_run(const std::filesystem::path& path);
 

@@ -96,10 +96,7 @@ void LockedFolder::share() {
 void LockedFolder::require_hold() const {
   if (is_shared_ || presence_->holds(owner_claim)) return;
   std::error_code error;
-  if (!fs::exists(path_, error))
-    throw Error(
-        Fault::io_error,
-        {.where = path_.string(), .what = "has vanished", .remedy = "look for its disk, then go on with --resume"});
+  if (!fs::exists(path_, error)) throw vanished(path_);
   throw Error(Fault::try_again,
               {path_.string(), "has been taken over by another umax, as this one had given no sign for long", "",
                "leave it to that one, or go on with --resume when it has ended"});

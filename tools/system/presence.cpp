@@ -22,10 +22,7 @@ namespace {
 constexpr const char* prefix = "worker-";
 
 [[noreturn]] void fail(const fs::path& path, int reason) {
-  if (reason == ENOENT)
-    throw Error(Fault::io_error, {.where = path.parent_path().string(),
-                                  .what = "has vanished",
-                                  .remedy = "look for its disk, then go on with --resume"});
+  if (reason == ENOENT) throw vanished(path.parent_path());
   throw Error(Fault::cannot_create, {.where = path.string(),
                                      .what = std::string("cannot be written (") + std::strerror(reason) + ")",
                                      .remedy = disk_remedy(reason)});
@@ -169,6 +166,12 @@ void write_first(const fs::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+Error vanished(const fs::path& folder) {
+  return Error(
+      Fault::io_error,
+      {.where = folder.string(), .what = "has vanished", .remedy = "look for its disk, then go on with --resume"});
+}
 
 Presence::Presence(const fs::path& place, const std::string& role) : place_(place), worker_(this_worker(role)) {
   own_ = place_ / own_name(worker_);

@@ -26,9 +26,13 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/error.h"
 #include "tools/system/worker.h"
 
 namespace umax {
+
+/// What is told (io_error) of a folder that was there before.
+Error vanished(const std::filesystem::path& folder);
 
 /// This process's presence in a folder, as long as it lives.
 class Presence {
