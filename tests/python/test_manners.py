@@ -222,9 +222,8 @@ def test_results_do_not_depend_on_threads():
 
 
 def test_nothing_is_lost_in_many_simulations():
-    cube = {"mesh": os.path.join(os.environ["UMAX_SOURCE_DIR"], "tests/support/block.obj"),
-            "cage": {"cells": [10, 10, 10], "clip": "box"}}  # a state of 64 kB, a cage of much more
-    scene = umax.Scene({"clip": ONE_HEX["clip"], "body": {"cube": cube}})
+    scene = umax.Scene(ONE_HEX)
+    scene["body.cube.cage.cells"] = [10, 10, 10]  # a state of 64 kB, a cage of much more
 
     def memory():
         return int(open("/proc/self/statm").read().split()[1]) * 4096
