@@ -10,6 +10,7 @@
 #include "core/contact/surface_contact.h"
 #include "core/step/newton_system.h"
 #include "embedding/surface/shapes.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/touchable.h"
@@ -300,57 +301,14 @@ TEST_CASE("bodies that touch give the same bytes for any number of threads, and 
   CHECK(lowest_of(model, ends[0], 1) > 0.19);
 }
 
-TEST_CASE("two bodies of 648 hexes are solved on multigrids in flight and by factors while they touch") {
-  Body left = touchable_block("left", {9, 9, 8}, {0, 0, 0}, 0.05);
-  Body right = touchable_block("right", {9, 9, 8}, {0.55, 0.1, 0.05}, 0.05);
-  left.velocity = {1, 0, 0};
-  right.velocity = {-1, 0, 0};
-  for (Body* body : {&left, &right}) body->spin = {0, 0, 4};  // so that flight has something to solve, too
-  const Model model = make_model({left, right}, {});
-  StepOptions options = without_gravity();
-  options.time_step = 5e-3;
-  const auto step_from = [&](State state, LinearSolver linear, std::size_t threads) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    options.solver.linear = linear;
-    Workspace workspace(model);
-    CHECK(step(model, options, workspace, state).status == StepStatus::converged);
-    return state;
-  };
-  options.solver.linear = LinearSolver::automatic;
-  State state = rest_state(model);
-  std::vector<State> states{state};
-  test::simulate(model, options, 36, state, [&](const StepReport& report, const State& now) {
-    CHECK(report.status == StepStatus::converged);
-    states.push_back(now);
-  });
-  std::vector<LinearSolver> in_turn;
-  for (std::size_t k = 0; k + 1 < states.size(); k += 5) {
-    CAPTURE(k);
-    const auto leads_on = [&](LinearSolver linear, std::size_t threads) {
-      return step_from(states[k], linear, threads).positions == states[k + 1].positions;
-    };
-    CHECK(leads_on(LinearSolver::automatic, 1));  // from the state alone
-    const bool by_factors = leads_on(LinearSolver::direct, 2), on_multigrids = leads_on(LinearSolver::multigrid, 2);
-    CHECK(by_factors != on_multigrids);
-    const LinearSolver linear = by_factors ? LinearSolver::direct : LinearSolver::multigrid;
-    if (in_turn.empty() || in_turn.back() != linear) in_turn.push_back(linear);
-  }
-  CHECK(in_turn == std::vector{LinearSolver::multigrid, LinearSolver::direct, LinearSolver::multigrid});
-  const double size = (model.node_mass.transpose() * states[0].velocities.rowwise().norm()).value();
-  CHECK((test::momentum(model, states.back()) - test::momentum(model, states[0])).norm() <
-        options.solver.tolerance * size);
-}
-
 TEST_CASE("a body's factor is kept while it hardly moves, and not once contacts have joined its matrix") {
-  const Model model = make_model(
+  const BegunStep begun(make_model(
       {touchable_block("low", {2, 1, 2}, {0, 0, 0}, 0.1), touchable_block("high", {2, 1, 2}, {0, 0.3, 0}, 0.1)},
-      {test::make_ground(0.5)});
-  const StepOptions options;
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const State state = rest_state(model);
-  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+      {test::make_ground(0.5)}));
+  const Model& model = begun.model;
+  const StepProblem& problem = begun.problem;
   Workspace workspace(model);
-  Iterate iterate = predict(problem, state);
+  Iterate iterate = predict(problem, begun.state);
   evaluate(problem, iterate.positions, iterate.evaluation);
   Linearisation at{limit_terms(problem, iterate, 1e4), {}};
   const auto factor = [&] { return factorize(problem, at, iterate, workspace.data()); };

@@ -2,6 +2,7 @@
 #include "core/contact/contact_support.h"
 
 #include "core/problem/step_contacts.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
@@ -40,15 +41,11 @@ TEST_CASE("a contact takes motions from the nodes to which it spreads forces") {
 }
 
 TEST_CASE("a contact's row asks for the gap along its motion against the obstacle so far") {
-  const Model model = make_model({test::make_block({2, 2, 2}, {0, 0, 0}, 0.1)}, {test::make_ground(0.5)});
-  const StepOptions options;
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const State state = rest_state(model);
-  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+  const test::BegunStep begun(make_model({test::make_block({2, 2, 2}, {0, 0, 0}, 0.1)}, {test::make_ground(0.5)}));
   const Contact contact = contact_in(2);
   const Vector3d moved(0.02, 0.01, -0.03), relative = moved - contact.obstacle_motion;
-  const Points positions = state.positions.rowwise() + moved.transpose();
-  const ContactRows rows = contact_rows(problem, positions, {contact, contact});
+  const Points positions = begun.state.positions.rowwise() + moved.transpose();
+  const ContactRows rows = contact_rows(begun.problem, positions, {contact, contact});
   REQUIRE(rows.rows.size() == 2);
   for (int i = 0; i < 2; ++i) {
     CHECK((rows.motions.segment<3>(3 * i) - relative).norm() < 1e-15);

@@ -5,6 +5,7 @@
 
 #include "core/contact/contact_support.h"
 #include "core/step/newton_system.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 
@@ -38,14 +39,11 @@ MatrixXd compliance_by_solves(const Model& model, const Workspace::Data& workspa
 }  // namespace
 
 TEST_CASE("the compliance of many points of one body is what solves say, in whatever parts its contacts come") {
-  Body block = test::make_block({5, 3, 4}, {0, 0.1, 0}, 0.1);
-  const Model model = make_model({block}, {test::make_ground(0.5)});
-  const StepOptions options;
-  const State state = rest_state(model);
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+  const test::BegunStep begun(make_model({test::make_block({5, 3, 4}, {0, 0.1, 0}, 0.1)}, {test::make_ground(0.5)}));
+  const Model& model = begun.model;
+  const StepProblem& problem = begun.problem;
   Workspace workspace(model);
-  Iterate iterate = predict(problem, state);
+  Iterate iterate = predict(problem, begun.state);
   evaluate(problem, iterate.positions, iterate.evaluation);
   factorize(problem, {limit_terms(problem, iterate, 1e4), {}}, iterate, workspace.data());
   const std::vector<Contact> contacts = contacts_with_ground(model, 150);

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/problem/evaluation.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/distorted.h"
@@ -30,11 +31,8 @@ bool is_inner(const Body& body, Eigen::Index node) {
 }
 
 Evaluation evaluate_at(const Model& model, const Points& positions) {
-  const StepOptions options;
   Evaluation evaluation;
-  evaluate(begin_step(model, options, plan_linear_solvers(model, options.solver), make_contact_geometry(model),
-                      rest_state(model)),
-           positions, evaluation);
+  evaluate(test::BegunStep(model).problem, positions, evaluation);
   return evaluation;
 }
 

@@ -6,6 +6,7 @@
 #include "core/contact/surface_contact.h"
 #include "core/problem/iterate.h"
 #include "core/problem/step_contacts.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
 #include "tests/support/touchable.h"
@@ -159,17 +160,14 @@ TEST_CASE("of a vertex in a thin part no planes of both its sides are held at on
 
 TEST_CASE("a contact far from the surface is forgotten within a step, unless its normal has turned back") {
   SunkBlock block;
-  const StepOptions options;
-  const State state = rest_state(block.model);
-  const StepProblem problem =
-      begin_step(block.model, options, plan_linear_solvers(block.model, options.solver), block.geometry, state);
-  Iterate iterate = predict(problem, state);
+  const test::BegunStep begun(block.model);
+  Iterate iterate = predict(begun.problem, begun.state);
   iterate.positions = block.raised(100 * tolerance);
   for (const int turns_back : {0, 1}) {
     iterate.contacts = {block.contacts.front()};
     iterate.contacts.front().gap = 100 * tolerance;
     iterate.contacts.front().turns_back = turns_back;
-    find_contacts(problem, false, iterate);
+    find_contacts(begun.problem, false, iterate);
     CHECK(int(iterate.contacts.size()) == turns_back);
   }
 }
@@ -177,16 +175,14 @@ TEST_CASE("a contact far from the surface is forgotten within a step, unless its
 TEST_CASE(
     "the planes that held a vertex in a step are one contact at the start of the next, which leaves room for others") {
   SunkBlock block;
-  const StepOptions options;
   State state = rest_state(block.model);
   const Contact& held = block.contacts.front();
   for (const double impulse : {1.0, 2.0, 4.0})
     state.contacts.push_back({held.point, held.obstacle, held.support.hex, held.other.hex, Vector3d(0, impulse, 0)});
-  const StepProblem problem =
-      begin_step(block.model, options, plan_linear_solvers(block.model, options.solver), block.geometry, state);
-  const std::vector<Contact> contacts = recall_contacts(problem, state, block.near);
+  const test::BegunStep begun(block.model, state);
+  const std::vector<Contact> contacts = recall_contacts(begun.problem, state, block.near);
   REQUIRE(contacts.size() == 1);
-  CHECK(contacts.front().force == Vector3d(0, 7 / problem.h, 0));
+  CHECK(contacts.front().force == Vector3d(0, 7 / begun.problem.h, 0));
 }
 
 TEST_CASE(

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/step/multigrid_subproblem.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
@@ -137,17 +138,13 @@ TEST_CASE("a step on multigrids that is nearly solved is not given up for two ha
 namespace {
 
 // The thrown sphere as it touches the ground, in one linearisation.
-struct Impact {
-  Model model = thrown_sphere();
-  State state = run(model, LinearSolver::direct, 8).state;
-  StepOptions options{.time_step = 0.01};
-  ContactGeometry geometry = make_contact_geometry(model);
-  StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+struct Impact : test::BegunStep {
   Iterate iterate = predict(problem, state);
   Linearisation at;
   StepReport report;
 
-  Impact() {
+  explicit Impact(const Model& sphere = thrown_sphere())
+      : BegunStep(sphere, run(sphere, LinearSolver::direct, 8).state, {.time_step = 0.01}) {
     evaluate(problem, iterate.positions, iterate.evaluation);
     add_contacts(problem.contact, iterate.apart, iterate.positions, 0.5, iterate.contacts);
     REQUIRE(iterate.contacts.size() >= 5);
@@ -199,11 +196,11 @@ TEST_CASE("with contacts linear systems are solved the more exactly the faster t
 TEST_CASE("contacts that all miss a little of their forces do not let a body sink in on multigrids") {
   constexpr double cell = 0.05, sunk = 4e-5;  // [m]
   const Model model = make_model({test::make_block({8, 3, 8}, {0, 0, 0}, cell)}, {test::make_ground(0.5)});
-  const ContactGeometry geometry = make_contact_geometry(model);
   const StepOptions options{.time_step = 0.01};
   State state = run(model, LinearSolver::direct, 10).state;  // rests, and is then pushed
   state.velocities.col(1).array() -= sunk / options.time_step;
-  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+  const test::BegunStep begun(model, state, options);
+  const StepProblem& problem = begun.problem;
   Iterate iterate = predict(problem, state);
   evaluate(problem, iterate.positions, iterate.evaluation);
   update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
@@ -226,11 +223,10 @@ TEST_CASE("where forces are in balance and constraints hold a step on multigrids
     Body block = test::make_block({8, 3, 8}, {0, 1, 0}, 0.05);
     block.limit = {.kind = LimitKind::hard, .unit = LimitUnit::stretch, .value = 0.2};
     const Model model = make_model({block}, {test::make_ground(0.5)});
-    const ContactGeometry geometry = make_contact_geometry(model);
-    const StepOptions options{.time_step = 0.01};
     State state = rest_state(model);
     state.velocities(0, 0) = 1e-3;  // is not where the predictor leaves it
-    const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+    const test::BegunStep begun(model, state, {.time_step = 0.01});
+    const StepProblem& problem = begun.problem;
     Iterate iterate = predict(problem, state);
     evaluate(problem, iterate.positions, iterate.evaluation);
     Workspace::Data workspace;

@@ -47,12 +47,9 @@ VectorXd dense_term(const Model& model, const RankOneTerm& term) {
 }
 
 MultigridSystem system_at_rest(const Model& model, const std::vector<RankOneTerm>& terms) {
-  const StepOptions options;
-  const State state = rest_state(model);
-  const ContactGeometry geometry = make_contact_geometry(model);
-  const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+  const test::BegunStep begun(model);
   MultigridSystem system = make_multigrid_system(model);
-  set_up(problem, state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
+  set_up(begun.problem, begun.state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
   return system;
 }
 

@@ -1,6 +1,7 @@
 // What a step must conserve, and what it may lose: free fall, momentum, angular momentum, independence of bodies.
 #include "core/element/energy_limit.h"
 #include "core/problem/evaluation.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
@@ -164,11 +165,10 @@ TEST_CASE("stiffness damping exerts no force in translation, nor as the undeform
   body.material.damping_stiffness = 0.1;
   const Model model = make_model({body}, {});
   const StepOptions options = options_for(SolverMethod::exact, 0.01);
-  const ContactGeometry geometry = make_contact_geometry(model);
   const auto largest_force = [&](const State& state) {
-    const StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
     Evaluation evaluation;
-    evaluate(problem, state.positions + problem.h * state.velocities, evaluation);
+    evaluate(test::BegunStep(model, state, options).problem, state.positions + options.time_step * state.velocities,
+             evaluation);
     REQUIRE(evaluation.damping.cols() == model.num_hexes());
     return evaluation.damping.cwiseAbs().maxCoeff();
   };

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/problem/step_problem.h"
 #include "core/step/multigrid_system.h"
+#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/double_operator.h"
@@ -12,17 +12,13 @@
 namespace umax::test {
 
 /// A block at rest, more than the last level's nodes, with contacts under all of its lowest hexes.
-struct Resting {
-  Model model = make_model({make_block({6, 7, 8}, {0, 0, 0}, 0.1)}, {make_ground(0.5)});
-  StepOptions options;
-  State state = rest_state(model);
-  ContactGeometry geometry = make_contact_geometry(model);
-  StepProblem problem = begin_step(model, options, plan_linear_solvers(model, options.solver), geometry, state);
+struct Resting : BegunStep {
   std::vector<Contact> contacts;
   MultigridSystem system = make_multigrid_system(model);
 
   // every seventh hex is `stiffer` times as stiff, and one more
-  explicit Resting(const std::vector<RankOneTerm>& terms = {}, double stiffer = 0) {
+  explicit Resting(const std::vector<RankOneTerm>& terms = {}, double stiffer = 0)
+      : BegunStep(make_model({make_block({6, 7, 8}, {0, 0, 0}, 0.1)}, {make_ground(0.5)})) {
     const Points pushed_in = state.positions.rowwise() - Eigen::RowVector3d(0, 1e-3, 0);
     add_contacts(problem.contact, LastApart(pushed_in), pushed_in, 0, contacts);
     REQUIRE(contacts.size() == 48);
