@@ -169,7 +169,7 @@ TEST_CASE("a run that fails ends the aim with its exit code and names it", "[aim
   CHECK_FALSE(fs::exists(folder / "out/aim.html"));
 }
 
-TEST_CASE("an aim that is stopped or killed goes on when resumed, to the same result", "[aim]") {
+TEST_CASE("an aim that is stopped or killed goes on when resumed, to the same result", "[aim][slow]") {
   const TemporaryFolder folder;
   // fine steps, so that it lasts
   const Words long_aim = tip + young + Words{"--set", "clip.substeps=15"};

@@ -156,7 +156,8 @@ TEST_CASE("a report's page shows words as words and needs no other file", "[repr
   CHECK_FALSE(is_self_contained(page + "<img src=\"picture.png\">"));
 }
 
-TEST_CASE("umax reproduce shows the beams and the spheres of the paper, and goes on where it stopped", "[reproduce]") {
+TEST_CASE("umax reproduce shows the beams and the spheres of the paper, and goes on where it stopped",
+          "[reproduce][slow]") {
   const TemporaryFolder temporary;
   const fs::path report = temporary / "report";
   const Words output{"-o", report.string()};
