@@ -88,7 +88,8 @@ class Numbering {
   std::vector<int> slots_;
 };
 
-// (A + G C^-1 G^T)^-1 = A^-1 - A^-1 G S^-1 G^T A^-1,  S = C + G^T A^-1 G, between nodes of the last level
+// (A + G C^-1 G^T)^-1 = A^-1 - A^-1 G S^-1 G^T A^-1,  S = C + G^T A^-1 G, between nodes of the last level. G: terms of no
+// group, as the springs of held contacts take no part in what a contact's whole force does.
 MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& terms, const std::vector<int>& slots) {
   const std::vector<int>& all = multigrid.dense_slots;
   const auto is_free = [&](int slot) { return multigrid.levels.back().matrix.diagonal[slot] > 0; };
@@ -100,8 +101,16 @@ MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& te
   multigrid.dense.matrixL().solveInPlace(half);
   MatrixXd inverse = half.transpose() * half;
   if (!terms.has_dense) return inverse;
-  MatrixXd through_terms = terms.half_responses.transpose() * half;
-  terms.dense.matrixL().solveInPlace(through_terms);
+  const SaddlePointLevel& level = terms.levels.back();
+  std::vector<int> single;
+  for (int t = 0; t < int(level.terms.groups.size()); ++t)
+    if (level.terms.groups[t] == 0) single.push_back(t);
+  if (single.empty()) return inverse;
+  const MatrixXd half_responses = terms.half_responses(Eigen::all, single);
+  MatrixXd S = level.own(single).cast<double>().asDiagonal();
+  S.selfadjointView<Eigen::Lower>().rankUpdate(half_responses.transpose());
+  MatrixXd through_terms = half_responses.transpose() * half;
+  Eigen::LLT<MatrixXd>(S).matrixL().solveInPlace(through_terms);
   inverse -= through_terms.transpose() * through_terms;
   return inverse;
 }

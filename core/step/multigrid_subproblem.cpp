@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/step/bpx_contact_compliance.h"
+#include "core/step/held_contacts.h"
 
 namespace umax {
 namespace {
@@ -23,6 +24,11 @@ constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;         // of what is bearable
 constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
+// Contacts are no longer held where so many corrections have not settled them, or where one has changed the forces by so many
+// times more or otherwise than foretold; nor in so many linearisations after that.
+constexpr int max_held_corrections = 6;
+constexpr double most_missed = 2;
+constexpr int unheld_after = 2;
 
 // How a subproblem is solved, and how exactly.
 struct Accuracy {
@@ -46,10 +52,12 @@ Accuracy accuracy_after(const std::vector<double>& residuals, double tolerance) 
           .restoring = restoring};
 }
 
-// Forces [N], 3 per contact, and the error [-] that is left in the linear system with them.
+// The contacts of a linear system on its way.
 struct ContactSolution {
-  VectorXd forces;
-  double error = 0;
+  HeldContacts held;
+  VectorXd pushed;   // [N] 3 per contact, by the right-hand side; springs of held contacts push, too
+  VectorXd forces;   // [N] that they bear
+  double error = 0;  // [-] that is left in the linear system
 };
 
 VectorXd push_of(const Model& model, const std::vector<Contact>& contacts, const VectorXd& forces) {
@@ -83,9 +91,35 @@ SaddlePointReport improve(const SaddlePointOptions& options, MultigridSystem& sy
   return linear;
 }
 
-void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
+// Begins to solve the linear system with these contacts held. known: [N] forces at the iterate, 3 per contact that it had.
+ContactSolution begin_linear(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
+                             const Accuracy& accuracy, const VectorXd& known, HeldContacts held, const Iterate& iterate,
+                             Workspace::Data& workspace, StepReport& report) {
+  const Model& model = *problem.model;
+  const std::vector<Contact>& contacts = iterate.contacts;
+  set_up_multigrid(problem, at, iterate, spring_terms(contacts, held), workspace);
+  ++report.factorisations;
+  MultigridSystem& system = *workspace.multigrid;
+  ContactSolution solution{.held = std::move(held), .pushed = {}, .forces = known};
+  solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(contacts.size())));
+  const VectorXd stretched = spring_forces(solution.held, target_motions(solution.held, contacts.size()));
+  solution.pushed = solution.forces - stretched;
+  VectorXd missing;
+  if (accuracy.restoring)
+    missing = push_of(model, contacts, -stretched);
+  else
+    missing = push_of(model, contacts, solution.pushed) - (slope - system.offset_force);
+  begin(model, missing, system);
+  const double fall = contacts.empty() || !solution.held.empty() ? 0 : first_fall;
+  solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
+  return solution;
+}
+
+// False: held contacts are in the way.
+bool solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy& accuracy, MultigridSystem& system,
                     StepReport& report, ContactSolution& solution) {
   const Model& model = *problem.model;
+  const HeldContacts& held = solution.held;
   BpxContactCompliance compliance = make_bpx_contact_compliance(model, system, iterate.contacts);
   const auto [rows, before] = contact_rows(problem, iterate.positions, iterate.contacts);
   VectorXd motions = contact_motions(model, iterate.contacts, system);
@@ -94,33 +128,40 @@ void solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
                                                    moved_share * motions.lpNorm<Eigen::Infinity>());
   bool solved = solution.error <= accuracy.linear;  // or as far as the linear solver gets
   int num_clearings = 0;
+  double missed = 0;  // [-] of the change of forces that was last asked for
   for (int i = 0; i < max_corrections; ++i) {
-    const VectorXd w = before + motions;
-    VectorXd forces = solution.forces;
-    solve_contacts(compliance, rows, w - apply(compliance, forces),
-                   {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, forces);
-    const VectorXd change = forces - solution.forces;
+    if (!held.empty() && (i == max_held_corrections || missed > most_missed)) return false;
+    const VectorXd w = before + motions, borne = solution.pushed + spring_forces(held, motions);
+    solution.forces = borne;
+    solve_contacts(compliance, rows, w - apply(compliance, borne),
+                   {.max_sweeps = max_sweeps, .tolerance = sweep_share * accuracy.settled}, solution.forces);
+    const VectorXd change = solution.forces - borne;
     ForceChanges changes(model.bodies.size());
     for (int c = 0; c < int(iterate.contacts.size()); ++c)
-      add_changes(compliance, c, change.segment<3>(3 * c), forces.segment<3>(3 * c), changes);
+      add_changes(compliance, c, change.segment<3>(3 * c), solution.forces.segment<3>(3 * c), changes);
     const bool balanced = changes.are_within(accuracy.settled),
                settled = balanced && is_clear(problem, iterate, rows, w, allowed);
-    if (settled && solved) return;
+    if (settled && solved) return true;
     if (!settled) {
-      solution.forces = forces;
-      add_contact_forces(model, iterate.contacts, change, system);
+      const VectorXd push = change - spring_forces(held, apply(compliance, change));
+      solution.pushed += push;
+      add_contact_forces(model, iterate.contacts, push, system);
     }
     const SaddlePointReport linear =
         improve({.tolerance = accuracy.linear, .reduction = settled ? 0 : correction_fall}, system, report);
     solution.error = linear.error;
     solved = settled || solution.error <= accuracy.linear;
-    if (settled && !accuracy.final) return;  // what that has moved is for the next linearisation
-    if (balanced && ++num_clearings == max_clearings && solved) return;
-    const VectorXd moved = contact_motions(model, iterate.contacts, system);
-    if (!settled && linear.error <= telling_fall * linear.started) learn(change, moved - motions, compliance);
+    if (settled && !accuracy.final) return true;  // what that has moved is for the next linearisation
+    if (balanced && ++num_clearings == max_clearings && solved) return true;
+    const VectorXd moved = contact_motions(model, iterate.contacts, system),
+                   changed = solution.pushed + spring_forces(held, moved) - borne;
+    missed = settled ? 0 : (changed - change).norm() / change.norm();
+    if (!settled && linear.error <= telling_fall * linear.started) learn(changed, moved - motions, compliance);
     motions = moved;
   }
   if (!solved) solution.error = improve({.tolerance = accuracy.linear}, system, report).error;
+  solution.forces = solution.pushed + spring_forces(held, contact_motions(model, iterate.contacts, system));
+  return true;
 }
 
 }  // namespace
@@ -132,24 +173,26 @@ void prepare_multigrid(const StepProblem& problem, const Iterate&, Workspace::Da
 NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& at, const VectorXd& slope,
                               Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   const Model& model = *problem.model;
-  set_up_multigrid(problem, at, iterate, workspace);
-  ++report.factorisations;
   const Accuracy accuracy = accuracy_after(iterate.residuals, problem.options->solver.tolerance);
+  const VectorXd known = known_forces(iterate.contacts);
+  const auto begin_with = [&](HeldContacts held) {
+    return begin_linear(problem, at, slope, accuracy, known, std::move(held), iterate, workspace, report);
+  };
+  const bool holds = iterate.unheld == 0;
+  if (!holds) --iterate.unheld;
+  ContactSolution solution = begin_with(holds ? hold_contacts(problem, at, iterate) : HeldContacts{});
   MultigridSystem& system = *workspace.multigrid;
-  ContactSolution solution{.forces = known_forces(iterate.contacts)};
-  VectorXd missing = VectorXd::Zero(slope.size());
-  if (!accuracy.restoring) missing = push_of(model, iterate.contacts, solution.forces) - (slope - system.offset_force);
-  begin(model, missing, system);
-  const double fall = iterate.contacts.empty() ? 0 : first_fall;
-  solution.error = improve({.tolerance = accuracy.linear, .reduction = fall}, system, report).error;
   NewtonStep newton;
   for (int round = 0; round < max_contact_rounds; ++round) {
-    if (!iterate.contacts.empty()) solve_contacts(problem, iterate, accuracy, system, report, solution);
+    while (!iterate.contacts.empty() && !solve_contacts(problem, iterate, accuracy, system, report, solution)) {
+      solution = begin_with({});
+      iterate.unheld = unheld_after;
+    }
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].force = solution.forces.segment<3>(3 * Eigen::Index(i));
     newton = multigrid_step(model, at, system);
     if (add_linearised_contacts(problem, newton.step, true, iterate) == 0) break;
-    solution.forces.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
+    solution.pushed.conservativeResizeLike(VectorXd::Zero(3 * Eigen::Index(iterate.contacts.size())));
   }
   return newton;
 }

@@ -8,6 +8,9 @@
 // learns; what a solve leaves over is in the residual of the next, so that the limits' rows hold for the sum of them
 // all.
 //
+// Contacts with obstacles that push are held by springs in the matrix meanwhile (core/step/held_contacts.h): where they go on
+// pushing, the first solve finds their forces. Where they are in the way of others, the system is solved without.
+//
 // Where the iterate's forces are in balance and only limits or contacts miss their tolerance, the right-hand side of
 // forces is left out: the step is the least one, in the matrix's norm, that restores them. What is left of forces would
 // slide along soft modes and bring other hexes beyond their limits.

@@ -86,7 +86,7 @@ void set_terms(const Model& model, const std::vector<RankOneTerm>& terms, Multig
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const RankOneTerm& term = terms[t];
     const int b = model.hex_body[term.hex];
-    of_body[b].push_back({term.hex - model.bodies[b].first_hex, term.vector, term.offset});
+    of_body[b].push_back({term.hex - model.bodies[b].first_hex, term.vector, term.offset, term.group});
     sources[b].push_back(int(t));
     for (int n = 0; n < 8; ++n)
       system.offset_force.segment<3>(3 * model.hexes(term.hex, n)) += term.offset * term.vector.segment<3>(3 * n);

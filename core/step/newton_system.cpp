@@ -225,7 +225,7 @@ FactoredAt factored_at(const StepProblem& problem, const Linearisation& at, cons
 }  // namespace
 
 void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
-                      Workspace::Data& workspace) {
+                      const std::vector<RankOneTerm>& further, Workspace::Data& workspace) {
   const Model& model = *problem.model;
   VectorXd stiffening = VectorXd::Zero(model.num_hexes());
   std::vector<RankOneTerm> terms;
@@ -235,6 +235,7 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
   }
   for (std::size_t i = 0; i < at.contacts.size(); ++i)
     append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].force, terms);
+  terms.insert(terms.end(), further.begin(), further.end());
   set_up(problem, iterate.positions, stiffening, terms, multigrid_system(model, workspace));
 }
 
@@ -251,7 +252,7 @@ NewtonStep multigrid_step(const Model& model, const Linearisation& at, const Mul
 VectorXd newton_step(const StepProblem& problem, const Linearisation& at, const VectorXd& slope, double accuracy,
                      Iterate& iterate, Workspace::Data& workspace, StepReport& report) {
   if (problem.plan.is_multigrid()) {
-    set_up_multigrid(problem, at, iterate, workspace);
+    set_up_multigrid(problem, at, iterate, {}, workspace);
     begin(*problem.model, workspace.multigrid->offset_force - slope, *workspace.multigrid);
     report.linear_iterations += improve({.tolerance = accuracy}, *workspace.multigrid).iterations;
     return solution_of(*problem.model, *workspace.multigrid).x;

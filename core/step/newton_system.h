@@ -24,9 +24,9 @@ std::vector<LimitTerms> limit_terms(const StepProblem& problem, const Iterate& i
 /// the body that took most.
 int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iterate, Workspace::Data& workspace);
 
-/// The multigrid's counterpart, with warped stiffness.
+/// The multigrid's counterpart, with warped stiffness. further: terms beside those of limits and contacts, after them.
 void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
-                      Workspace::Data& workspace);
+                      const std::vector<RankOneTerm>& further, Workspace::Data& workspace);
 
 /// A Newton step, and what the solver tells of limits.
 struct NewtonStep {

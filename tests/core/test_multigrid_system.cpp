@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/linear/bricks/hadamard_hex.h"
@@ -274,6 +275,33 @@ TEST_CASE("coarse terms measure what the terms that they stand for measure toget
   for (Eigen::Index t = 0; t < products.size(); ++t) sums[fine.parents[t]] += products[t];
   CHECK((measured - sums).norm() <= 1e-5 * sums.norm());
   CHECK(coarse.own.sum() == float(fine.terms.vectors.size()));
+}
+
+TEST_CASE("terms of a group become one in a coarse cell, and the system is solved with them as with others") {
+  const Model model = Resting().model;
+  std::vector<RankOneTerm> terms = random_terms(model, 1e4, 1e6);
+  test::Random random(13);
+  for (int hex = 0; hex < int(model.num_hexes()); hex += 2)
+    for (const int group : {1, 3, 1}) {
+      RankOneTerm term{hex, Vector24d::Zero(), 0, group};
+      for (int n = 0; n < 8; ++n) term.vector[3 * n + group % 3] = random.uniform(0, 1e3);
+      terms.push_back(term);
+    }
+  Resting resting(terms);
+  const SaddlePointLevel& coarse = resting.system.bodies.front().terms.levels[1];
+  for (const RankOneTerms::Hex& hex : coarse.terms.hexes) {
+    std::array<int, most_term_groups + 1> counts{};
+    for (int t = hex.first; t < hex.end; ++t) ++counts[std::size_t(coarse.terms.groups[std::size_t(t)])];
+    CHECK(counts[0] <= 1);
+    CHECK(counts == std::array{counts[0], 1, 0, 1});
+  }
+  CHECK(coarse.own.sum() == float(terms.size()));
+  MatrixXd A = resting.matrix();
+  for (const RankOneTerm& term : terms) A += dense_term(model, term) * dense_term(model, term).transpose();
+  const VectorXd b = VectorXd::LinSpaced(A.rows(), -1, 2), expected = A.ldlt().solve(b);
+  const Solved solution = solve_from_rest(model, b, {.tolerance = 1e-7}, resting.system);
+  CHECK((solution.x - expected).norm() <= 1e-4 * expected.norm());
+  CHECK(solution.iterations <= 60);
 }
 
 namespace {

@@ -36,6 +36,7 @@ RankOneTerms make_rank_one_terms(const std::vector<RankOneTerm>& terms, const Ce
       if (!(diagonal[sorted.hexes.back().nodes[n]] > 0)) g.segment<3>(3 * n).setZero();
     sorted.offsets[Eigen::Index(sorted.vectors.size())] = term.offset;
     sorted.vectors.push_back(g);
+    sorted.groups.push_back(char(term.group));
     sorted.hexes.back().end = int(sorted.vectors.size());
   }
   sorted.sources = std::move(order);

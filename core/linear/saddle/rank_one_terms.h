@@ -23,6 +23,7 @@ struct RankOneTerms {
   std::vector<Hex> hexes;          // those with terms, in the order of the lattice
   std::vector<Vector24f> vectors;  // g [sqrt(N/m)], zero at nodes that are not free
   std::vector<int> sources;        // which of the terms handed in each vector is
+  std::vector<char> groups;        // RankOneTerm::group of each vector
   VectorXd offsets;
   // the same vectors, by nodes: what pushes nodes reads them one after the other
   struct AtNode {
@@ -34,11 +35,14 @@ struct RankOneTerms {
   std::vector<AtNode> at_nodes;
 };
 
+inline constexpr int most_term_groups = 3;
+
 /// One term as it is handed in.
 struct RankOneTerm {
   int hex = 0;  // of the lattice
   Vector24d vector = Vector24d::Zero();
   double offset = 0;  // [sqrt(J)] the term's force is -g (g . x + offset)
+  int group = 0;      // 1 .. most_term_groups: those of a group in a cell become one on coarser levels; 0: of none
 };
 
 /// Sorts the terms, zeroes them at nodes that are not free. cells, node_slots: as in BrickLattice's functions.

@@ -51,18 +51,33 @@ SaddlePointLevel coarser_terms(const MultigridLevel& fine_grid, const MultigridL
     RankOneTerms::Hex hex;
     hex.cell = parent(first->second);
     for (int n = 0; n < 8; ++n) hex.nodes[n] = slot_of(coarse_grid.lattice(), hex.cell + corner(n));
-    int richest = 0;
-    for (auto at = first; at != end; ++at) richest = std::max(richest, hexes[at->second].end - hexes[at->second].first);
+    int richest = 0;  // of terms in no group
+    std::array<int, most_term_groups + 1> places{};
+    for (auto at = first; at != end; ++at) {
+      int single = 0;
+      for (int t = hexes[at->second].first; t < hexes[at->second].end; ++t) {
+        const int group = fine.terms.groups[t];
+        group == 0 ? ++single : places[group] = 1;
+      }
+      richest = std::max(richest, single);
+    }
     hex.first = int(terms.vectors.size());
     hex.end = hex.first + richest;
+    terms.groups.resize(hex.end, 0);
+    for (int group = 1; group <= most_term_groups; ++group) {
+      if (places[group] == 0) continue;
+      places[group] = hex.end++;
+      terms.groups.push_back(char(group));
+    }
     terms.vectors.resize(hex.end, Vector24f::Zero());
     own.resize(hex.end, 0);
     for (auto at = first; at != end; ++at) {
       const RankOneTerms::Hex& covered = hexes[at->second];
       const Vector3i place = covered.cell - hex.cell.cwiseProduct(fine_grid.factor);
       const Weights& W = weights[4 * place[0] + 2 * place[1] + place[2]];
+      int single = 0;
       for (int t = covered.first; t < covered.end; ++t) {
-        const int to = hex.first + t - covered.first;
+        const int group = fine.terms.groups[t], to = group == 0 ? hex.first + single++ : places[group];
         fine.parents[t] = to;
         using Nodes = Eigen::Matrix<float, 3, 8>;
         Eigen::Map<Nodes>(terms.vectors[to].data()) +=

@@ -9,7 +9,9 @@
 //   s = x + w D^-1 (b - A x - G y),  S dy = G^T s - q - y,  x = s - w D^-1 G dy,   S = I + w G^T D^-1 G
 // S couples hexes that share a node (core/linear/saddle/limit_schur_complement.h). A coarse cell has as many terms as
 // the richest of the cells it covers: its i-th is P^T times the sum of their i-th ones, as multipliers are the same in
-// all of them.
+// all of them. Terms that are alike by their meaning, as springs along normals are, come in groups instead: all of a group in
+// the cells it covers become one, as pressures of contacts beside each other are the same and have nothing to do with a
+// limit's multiplier.
 #pragma once
 
 #include <Eigen/Cholesky>
