@@ -1,7 +1,6 @@
 #include "core/step/held_contacts.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 namespace umax {
 namespace {
@@ -50,10 +49,8 @@ HeldContacts hold_contacts(const StepProblem& problem, const Linearisation& at, 
 std::vector<RankOneTerm> spring_terms(const std::vector<Contact>& contacts, const HeldContacts& held) {
   std::vector<RankOneTerm> terms;
   for (const HeldDirection& one : held) {
-    const Support& support = contacts[one.contact].support;
-    RankOneTerm term{.hex = support.hex, .vector = Vector24d::Zero(), .offset = 0, .group = one.group};
-    for (int n = 0; n < 8; ++n)
-      term.vector.segment<3>(3 * n) = support.weights[n] * std::sqrt(one.stiffness) * one.direction;
+    RankOneTerm term = spring_term(contacts[one.contact].support, one.direction, one.stiffness);
+    term.group = one.group;
     terms.push_back(term);
   }
   return terms;

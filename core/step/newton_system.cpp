@@ -148,9 +148,7 @@ void append_contact_terms(const Contact& contact, const ContactTerms& at, const 
     if (!(stiffness > share * negligible_direction * eigen.eigenvalues()[2])) continue;
     const Vector3d direction = eigen.eigenvectors().col(i);
     for_each_support(contact, [&](const Support& support, double) {
-      RankOneTerm term;
-      term.hex = support.hex;
-      for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = support.weights[n] * std::sqrt(stiffness) * direction;
+      RankOneTerm term = spring_term(support, direction, stiffness);
       if (!contact.between_bodies()) term.offset = -direction.dot(at.force - known) / std::sqrt(stiffness);
       terms.push_back(term);
     });
@@ -237,6 +235,13 @@ void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const
     append_contact_terms(iterate.contacts[i], at.contacts[i], iterate.contacts[i].force, terms);
   terms.insert(terms.end(), further.begin(), further.end());
   set_up(problem, iterate.positions, stiffening, terms, multigrid_system(model, workspace));
+}
+
+RankOneTerm spring_term(const Support& support, const Vector3d& direction, double stiffness) {
+  RankOneTerm term;
+  term.hex = support.hex;
+  for (int n = 0; n < 8; ++n) term.vector.segment<3>(3 * n) = support.weights[n] * std::sqrt(stiffness) * direction;
+  return term;
 }
 
 NewtonStep multigrid_step(const Model& model, const Linearisation& at, const MultigridSystem& system) {

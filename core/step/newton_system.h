@@ -28,6 +28,9 @@ int factorize(const StepProblem& problem, const Linearisation& at, Iterate& iter
 void set_up_multigrid(const StepProblem& problem, const Linearisation& at, const Iterate& iterate,
                       const std::vector<RankOneTerm>& further, Workspace::Data& workspace);
 
+/// A spring of this stiffness [N/m] along a direction (of length 1) at a contact's support, as a term.
+RankOneTerm spring_term(const Support& support, const Vector3d& direction, double stiffness);
+
 /// A Newton step, and what the solver tells of limits.
 struct NewtonStep {
   VectorXd step;          // 3 #N [m]

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/step/multigrid_subproblem.h"
-#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/hex_samples.h"
+#include "tests/support/linearised_step.h"
 
 using namespace umax;
 
@@ -32,22 +31,15 @@ State fallen(const Model& model, int steps) {
 }
 
 // One linearisation of a step of the block that presses itself onto the ground.
-struct Landing : test::BegunStep {
-  Iterate iterate = predict(problem, state);
-  Linearisation at;
-  StepReport report;
-
-  explicit Landing(const Model& block) : BegunStep(block, fallen(block, 3), {.time_step = 0.01}) {
-    evaluate(problem, iterate.positions, iterate.evaluation);
+struct Landing : test::LinearisedStep {
+  explicit Landing(const Model& block) : LinearisedStep(block, fallen(block, 3)) {
     update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
-    at.limits = limit_terms(problem, iterate, 1e4);
     iterate.residuals = {1e-2};
   }
   NewtonStep minimise(int unheld) {
-    Workspace::Data workspace;
     report = {};
     iterate.unheld = unheld;
-    return minimise_multigrid(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
+    return LinearisedStep::minimise();
   }
   Vector3d force() const {
     Vector3d sum = Vector3d::Zero();

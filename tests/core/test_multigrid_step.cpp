@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
-#include "core/step/multigrid_subproblem.h"
-#include "tests/support/begun_step.h"
 #include "tests/support/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/failure.h"
 #include "tests/support/hex_samples.h"
+#include "tests/support/linearised_step.h"
 
 using namespace umax;
 
@@ -138,21 +137,11 @@ TEST_CASE("a step on multigrids that is nearly solved is not given up for two ha
 namespace {
 
 // The thrown sphere as it touches the ground, in one linearisation.
-struct Impact : test::BegunStep {
-  Iterate iterate = predict(problem, state);
-  Linearisation at;
-  StepReport report;
-
+struct Impact : test::LinearisedStep {
   explicit Impact(const Model& sphere = thrown_sphere())
-      : BegunStep(sphere, run(sphere, LinearSolver::direct, 8).state, {.time_step = 0.01}) {
-    evaluate(problem, iterate.positions, iterate.evaluation);
+      : LinearisedStep(sphere, run(sphere, LinearSolver::direct, 8).state) {
     add_contacts(problem.contact, iterate.apart, iterate.positions, 0.5, iterate.contacts);
     REQUIRE(iterate.contacts.size() >= 5);
-    at.limits = limit_terms(problem, iterate, 1e4);
-  }
-  NewtonStep minimise() {
-    Workspace::Data workspace;
-    return minimise_multigrid(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
   }
 };
 
@@ -196,22 +185,16 @@ TEST_CASE("with contacts linear systems are solved the more exactly the faster t
 TEST_CASE("contacts that all miss a little of their forces do not let a body sink in on multigrids") {
   constexpr double cell = 0.05, sunk = 4e-5;  // [m]
   const Model model = make_model({test::make_block({8, 3, 8}, {0, 0, 0}, cell)}, {test::make_ground(0.5)});
-  const StepOptions options{.time_step = 0.01};
   State state = run(model, LinearSolver::direct, 10).state;  // rests, and is then pushed
-  state.velocities.col(1).array() -= sunk / options.time_step;
-  const test::BegunStep begun(model, state, options);
-  const StepProblem& problem = begun.problem;
-  Iterate iterate = predict(problem, state);
-  evaluate(problem, iterate.positions, iterate.evaluation);
-  update_contacts(problem.contact, iterate.apart, iterate.positions, iterate.contacts);
+  state.velocities.col(1).array() -= sunk / 0.01;
+  test::LinearisedStep step(model, state);
+  Iterate& iterate = step.iterate;
+  update_contacts(step.problem.contact, iterate.apart, iterate.positions, iterate.contacts);
   const std::vector<Contact> before = iterate.contacts;
   REQUIRE(before.size() > 50);
   REQUIRE(deepest(before) > 0.9 * sunk);
-  Workspace::Data workspace;
-  StepReport report;
   iterate.residuals = {0.3};  // forces need be right to a tenth of the largest
-  const Linearisation at{limit_terms(problem, iterate, 1e4), {}};
-  const NewtonStep newton = minimise_multigrid(problem, at, gradient(problem, iterate, at), iterate, workspace, report);
+  const NewtonStep newton = step.minimise();
   double depth = 0;
   for (const Contact& contact : before)
     depth = std::max(depth, -contact.gap - contact.normal.dot(contact_motion(model, contact, newton.step)));
@@ -225,17 +208,10 @@ TEST_CASE("where forces are in balance and constraints hold a step on multigrids
     const Model model = make_model({block}, {test::make_ground(0.5)});
     State state = rest_state(model);
     state.velocities(0, 0) = 1e-3;  // is not where the predictor leaves it
-    const test::BegunStep begun(model, state, {.time_step = 0.01});
-    const StepProblem& problem = begun.problem;
-    Iterate iterate = predict(problem, state);
-    evaluate(problem, iterate.positions, iterate.evaluation);
-    Workspace::Data workspace;
-    StepReport report;
-    iterate.residuals = {kkt_residual};
-    const Linearisation at{limit_terms(problem, iterate, 1e4), {}};
-    const VectorXd grad = gradient(problem, iterate, at);
-    REQUIRE(grad.norm() > 0);
-    return minimise_multigrid(problem, at, grad, iterate, workspace, report).step;
+    test::LinearisedStep step(model, state);
+    step.iterate.residuals = {kkt_residual};
+    REQUIRE(step.slope().norm() > 0);
+    return step.minimise().step;
   };
   CHECK(step_at(1e-3).isZero(0));
   CHECK_FALSE(step_at(1.1e-3).isZero(0));
