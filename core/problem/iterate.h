@@ -34,7 +34,6 @@ struct Iterate {
   std::vector<double> residuals;  // [-] KKT, of the iterates so far and of this one as soon as it is assessed
   std::vector<char> indefinite;   // per body: its exact Hessian was not positive definite at one of the last iterations
   std::vector<FactoredAt> factored;  // per body
-  int unheld = 0;  // linearisations in which contacts are not held any more (core/step/held_contacts.h)
 };
 
 /// What decides whether the iterate is the solution.

@@ -24,11 +24,8 @@ constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;         // of what is bearable
 constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
-// Contacts are no longer held where so many corrections have not settled them, or where one has changed the forces by so many
-// times more or otherwise than foretold; nor in so many linearisations after that.
-constexpr int max_held_corrections = 6;
+// Contacts are no longer held where a correction has changed their forces by so many times more or otherwise than foretold.
 constexpr double most_missed = 2;
-constexpr int unheld_after = 2;
 
 // How a subproblem is solved, and how exactly.
 struct Accuracy {
@@ -130,7 +127,6 @@ bool solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
   int num_clearings = 0;
   double missed = 0;  // [-] of the change of forces that was last asked for
   for (int i = 0; i < max_corrections; ++i) {
-    if (!held.empty() && (i == max_held_corrections || missed > most_missed)) return false;
     const VectorXd w = before + motions, borne = solution.pushed + spring_forces(held, motions);
     solution.forces = borne;
     solve_contacts(compliance, rows, w - apply(compliance, borne),
@@ -142,6 +138,7 @@ bool solve_contacts(const StepProblem& problem, Iterate& iterate, const Accuracy
     const bool balanced = changes.are_within(accuracy.settled),
                settled = balanced && is_clear(problem, iterate, rows, w, allowed);
     if (settled && solved) return true;
+    if (!held.empty() && !balanced && missed > most_missed) return false;
     if (!settled) {
       const VectorXd push = change - spring_forces(held, apply(compliance, change));
       solution.pushed += push;
@@ -178,16 +175,12 @@ NewtonStep minimise_multigrid(const StepProblem& problem, const Linearisation& a
   const auto begin_with = [&](HeldContacts held) {
     return begin_linear(problem, at, slope, accuracy, known, std::move(held), iterate, workspace, report);
   };
-  const bool holds = iterate.unheld == 0;
-  if (!holds) --iterate.unheld;
-  ContactSolution solution = begin_with(holds ? hold_contacts(problem, at, iterate) : HeldContacts{});
+  ContactSolution solution = begin_with(hold_contacts(problem, at, iterate));
   MultigridSystem& system = *workspace.multigrid;
   NewtonStep newton;
   for (int round = 0; round < max_contact_rounds; ++round) {
-    while (!iterate.contacts.empty() && !solve_contacts(problem, iterate, accuracy, system, report, solution)) {
+    while (!iterate.contacts.empty() && !solve_contacts(problem, iterate, accuracy, system, report, solution))
       solution = begin_with({});
-      iterate.unheld = unheld_after;
-    }
     for (std::size_t i = 0; i < iterate.contacts.size(); ++i)
       iterate.contacts[i].force = solution.forces.segment<3>(3 * Eigen::Index(i));
     newton = multigrid_step(model, at, system);

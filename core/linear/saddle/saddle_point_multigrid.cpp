@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/linear/direct/sparse_cholesky.h"
 #include "core/linear/multigrid/multigrid_cycle.h"
 
 namespace umax {
@@ -236,16 +237,13 @@ void set_up(Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coup
   };
   // of the levels that are smoothed, and of the first one, whose complement tells the weight
   const std::size_t complements = std::max<std::size_t>(1, multigrid.levels.size() - (coupled.has_dense ? 1 : 0));
-  const auto set_up_complements = [&] {
-    for (std::size_t depth = 0; depth < complements; ++depth) {
-      SaddlePointLevel& level = coupled.levels[depth];
-      const MultigridLevel& grid = multigrid.levels[depth];
-      set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
-    }
+  const auto set_up_complement = [&](Eigen::Index depth) {
+    SaddlePointLevel& level = coupled.levels[depth];
+    const MultigridLevel& grid = multigrid.levels[depth];
+    set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
   };
-  parallel_blocks(2, 1, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index part = begin; part < end; ++part) part == 0 ? set_up_complements() : set_up_dense();
-  });
+  for_each_solve(Eigen::Index(complements) + 1,
+                 [&](Eigen::Index part) { part == 0 ? set_up_dense() : set_up_complement(part - 1); });
   coupled.weight = weight_of(finest, coupled.levels.front());
   if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
 }
