@@ -103,6 +103,15 @@ Cells with_holes(const Cells& cells, double share, Random& random) {
   return left;
 }
 
+// Layers that slope across the lines along z: a line has cells in some of its vectors, and none between them.
+Cells sloping_layers() {
+  const Cells box = box_cells({12, 10, 52});
+  std::vector<int> kept;
+  for (int e = 0; e < int(box.rows()); ++e)
+    if ((box(e, 0) + box(e, 1) / 2 + box(e, 2)) % 13 < 3) kept.push_back(e);
+  return box(kept, Eigen::all);
+}
+
 std::vector<HexSystem> hex_systems() {
   Random random(3);
   Cells islands(6, 3);
@@ -124,6 +133,7 @@ std::vector<HexSystem> hex_systems() {
        .multipliers = {0.5, 2, 20},
        .share_fixed = 0.1});
   add({.name = "islands far apart", .cells = islands, .cell_size = {0.1, 0.2, 0.1}, .poisson = 0, .turn = 1});
+  add({.name = "sloping layers", .cells = sloping_layers(), .turn = 1, .multipliers = {1, 30}});
   add({.name = "a rod along x", .cells = box_cells({40, 1, 1}), .turn = 1});
   add({.name = "a rod along z", .cells = box_cells({1, 1, 40}), .poisson = -0.3, .turn = 1});
   return systems;

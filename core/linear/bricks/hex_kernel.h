@@ -37,6 +37,8 @@ inline constexpr int num_epilogues = 3;
 template <class T, class S>
 struct Sweep {
   const Brick* bricks = nullptr;
+  const std::uint16_t* cell_masks = nullptr;  // of BrickLattice
+  const std::uint16_t* node_masks = nullptr;
   const HexConstants<T>* constants = nullptr;
   bool is_cube = false;         // trilinear's three are equal: rotations do not matter to that mode
   const S* frames = nullptr;    // 9 per cell

@@ -26,9 +26,15 @@ template <class T, class S>
 struct Lines {
   const T* nodes[row_lines];
   const T* next_nodes[row_lines];  // in the bricks above
-  const S* frames[rows];           // null: no cells
-  unsigned cell_rows = 0;          // bit j: row j has cells
+  const S* frames[rows];           // where the row has cells
+  unsigned cell_rows[vectors<T>];  // bit j: row j has cells in the vector
 };
+
+// Has a line with such a mask any of its points in vector v?
+template <class T>
+UMAX_INLINE bool has_any(std::uint16_t mask, int v) {
+  return mask >> v * width<T> & ((1u << width<T>)-1);
+}
 
 // place of a line of the halo: which brick along the axis, and its index there
 UMAX_INLINE int brick_step(int index) {
@@ -45,7 +51,7 @@ UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p
   const Brick& node_brick = sweep.bricks[run.bricks[here]];
   const Brick& cell_brick = sweep.bricks[run.bricks[below]];
   const int di = brick_step(p - brick_edge * here), below_di = brick_step(p - 1 - brick_edge * below);
-  lines.cell_rows = 0;
+  for (int v = 0; v < vectors<T>; ++v) lines.cell_rows[v] = 0;
   for (int j = -1; j <= brick_edge; ++j) {
     const int line = brick_edge * (p & (brick_edge - 1)) + (j & (brick_edge - 1));
     const std::int32_t* near = node_brick.near + near_index(di, brick_step(j), 0);
@@ -54,9 +60,9 @@ UMAX_INLINE void find_lines(const Sweep<T, S>& sweep, const BrickRun& run, int p
     if (j == brick_edge || p < 0) continue;
     const int cell_line = brick_edge * ((p - 1) & (brick_edge - 1)) + (j & (brick_edge - 1));
     const int brick = cell_brick.near[near_index(below_di, brick_step(j), 0)];
-    const bool has_cells = sweep.bricks[brick].cell_lines >> cell_line & 1;
-    lines.frames[j + 1] = has_cells ? sweep.frames + line_offset(brick, cell_line, frame_components) : nullptr;
-    lines.cell_rows |= unsigned(has_cells) << (j + 1);
+    lines.frames[j + 1] = sweep.frames + line_offset(brick, cell_line, frame_components);
+    const std::uint16_t cells = sweep.cell_masks[brick * brick_lines + cell_line];
+    for (int v = 0; v < vectors<T>; ++v) lines.cell_rows[v] |= unsigned(has_any<T>(cells, v)) << (j + 1);
   }
 }
 
@@ -143,9 +149,20 @@ UMAX_INLINE void finish_line(const Vec<T> (&h)[2][3], int v, Vec<T>* above, T* l
   }
 }
 
+// The same where the vector has no nodes, and so no cells.
+template <class T>
+UMAX_INLINE void give_nothing(int v, Vec<T>* above, T* last_lanes) {
+  for (int c = 0; c < 3; ++c) {
+    if (v + 1 == vectors<T>)
+      last_lanes[c] = 0;
+    else
+      above[c] = Vec<T>{};
+  }
+}
+
 // Rows of cells before the lower of two node planes, between them and behind the upper one, a bit each.
 struct CellRows {
-  unsigned before, between, behind;
+  unsigned before = 0, between = 0, behind = 0;
 };
 
 // One vector of cells along z for all rows between two node planes: completes the lower plane, which is plane p - 1 of
@@ -158,7 +175,7 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
   V left[2][3], carried[2][3];
   for (int c = 0; c < 3; ++c) carried[0][c] = carried[1][c] = V{};
   const int column = p > 0 ? (p - 1) / brick_edge : 0, first_line = brick_edge * ((p - 1) & (brick_edge - 1));
-  const std::uint64_t own_lines = p > 0 ? sweep.bricks[run.bricks[column]].node_lines >> first_line : 0;
+  const std::uint16_t* own_nodes = sweep.node_masks + run.bricks[column] * brick_lines + first_line;
   const unsigned seen = cells.between | cells.behind, pushing = cells.before | cells.between;
   for (int row = 0; row < rows; ++row) {
     V right[2][3], forces[8][3], h[2][3];
@@ -174,8 +191,8 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
     }
     if (p < 0) continue;
 
-    if (const S* frames = lines.frames[row]) {
-      frames += v * width<T>;
+    if (cells.between >> row & 1) {
+      const S* frames = lines.frames[row] + v * width<T>;
       local_forces<T, S>(lanes, frames, after, before, forces);
       spread_even<T>(frames, forces, upper, carried[0], h[0]);
       end_of_stage(carried[0]);
@@ -191,10 +208,15 @@ UMAX_INLINE void sweep_plane(const Sweep<T, S>& sweep, const Lanes<T>& lanes, co
       for (int part = 0; part < 2; ++part)
         for (int c = 0; c < 3; ++c) h[part][c] = V{};
     }
-    if (row == 0 || !(own_lines >> (row - 1) & 1)) continue;
+    if (row == 0 || p == 0) continue;
     const int line = first_line + row - 1;
+    T* last_lanes = tile.last_lanes[run.first_column + column][line];
+    if (!has_any<T>(own_nodes[row - 1], v)) {
+      give_nothing<T>(v, tile.above[row - 1], last_lanes);
+      continue;
+    }
     V y[3];
-    finish_line<T>(h, v, tile.above[row - 1], tile.last_lanes[run.first_column + column][line], y);
+    finish_line<T>(h, v, tile.above[row - 1], last_lanes, y);
     finish<T, S, E>(sweep, lanes, line_offset(run.bricks[column], line, 1), v * width<T>, y, sum);
   }
 }
@@ -216,14 +238,16 @@ double sweep_runs(const Sweep<T, S>& sweep, const BrickRun* first, const BrickRu
           for (V& value : half) value = V{};
     V sum{};
     const int last_plane = brick_edge * run->count;
-    CellRows cells{};
+    CellRows cells[vectors<T>];
     find_lines(sweep, *run, -1, lines[1]);
     for (int p = -1; p <= last_plane; ++p) {
       const Lines<T, S>& here = lines[p & 1];
       Lines<T, S>& next = lines[~p & 1];
       if (p < last_plane) find_lines(sweep, *run, p + 1, next);
-      cells = {cells.between, here.cell_rows, p < last_plane ? next.cell_rows : 0};
-      for (int v = 0; v < vectors<T>; ++v) sweep_plane<T, S, E>(sweep, lanes, *run, here, cells, p, v, tile, sum);
+      for (int v = 0; v < vectors<T>; ++v) {
+        cells[v] = {cells[v].between, here.cell_rows[v], p < last_plane ? next.cell_rows[v] : 0};
+        sweep_plane<T, S, E>(sweep, lanes, *run, here, cells[v], p, v, tile, sum);
+      }
     }
     total += sum_of_lanes<T>(sum);
   }

@@ -71,6 +71,8 @@ double run(const HexOperator& op, const HexConstants<T>& constants, const HexMat
            SweepFunction<T, S> function, Sweep<T, S> sweep) {
   assert(sweep.out != sweep.x);
   sweep.bricks = op.lattice.bricks.data();
+  sweep.cell_masks = op.lattice.cell_masks.data();
+  sweep.node_masks = op.lattice.node_masks.data();
   sweep.constants = &constants;
   const double* trilinear = op.constants.trilinear;
   const auto [least, most] = std::minmax({trilinear[0], trilinear[1], trilinear[2]});
