@@ -24,7 +24,8 @@ constexpr int max_contact_rounds = 6;  // detections per linearisation
 constexpr int max_sweeps = 200;
 constexpr double sweep_share = 0.01;         // of what is bearable
 constexpr double restoring_accuracy = 0.02;  // [-] of linear systems that restore constraints
-// Contacts are no longer held where a correction has changed their forces by so many times more or otherwise than foretold.
+// Contacts are no longer held where their forces are not balanced and the correction before has changed them by so many times
+// more or otherwise than foretold.
 constexpr double most_missed = 2;
 
 // How a subproblem is solved, and how exactly.
