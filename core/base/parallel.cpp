@@ -1,6 +1,7 @@
 #include "core/base/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #ifdef __SANITIZE_THREAD__
 #include <exception>
 #include <mutex>
@@ -8,6 +9,7 @@
 #include <vector>
 #else
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace umax {
@@ -36,11 +38,21 @@ void run_blocks(Eigen::Index num_blocks, const Run& run) {
   if (failure) std::rethrow_exception(failure);
 }
 
+template <class Run>
+void run_alone(const Run& run) {
+  run();
+}
+
 #else
 
 template <class Run>
 void run_blocks(Eigen::Index num_blocks, const Run& run) {
   tbb::parallel_for(Eigen::Index(0), num_blocks, run);
+}
+
+template <class Run>
+void run_alone(const Run& run) {
+  tbb::this_task_arena::isolate(run);
 }
 
 #endif
@@ -55,6 +67,18 @@ void parallel_blocks(Eigen::Index count, Eigen::Index grain,
     return;
   }
   run_blocks(num_blocks, [&](Eigen::Index b) { body(b * grain, std::min(count, (b + 1) * grain)); });
+}
+
+void parallel_in_order(Eigen::Index count, const std::function<void(Eigen::Index)>& body) {
+  if (count <= 1) {
+    if (count > 0) body(0);
+    return;
+  }
+  std::atomic<Eigen::Index> next{0};
+  run_blocks(count, [&](Eigen::Index) {
+    const Eigen::Index i = next++;
+    run_alone([&] { body(i); });
+  });
 }
 
 }  // namespace umax

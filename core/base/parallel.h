@@ -12,4 +12,8 @@ namespace umax {
 void parallel_blocks(Eigen::Index count, Eigen::Index grain,
                      const std::function<void(Eigen::Index, Eigen::Index)>& body);
 
+/// Calls body(i) for i = 0 .. count - 1, in parallel but begun in this order: with the longest first, all end soonest. What
+/// waits inside a body for others takes no further body meanwhile.
+void parallel_in_order(Eigen::Index count, const std::function<void(Eigen::Index)>& body);
+
 }  // namespace umax

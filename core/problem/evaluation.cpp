@@ -76,6 +76,14 @@ VectorXd push_of(const Model& model, const std::vector<Contact>& contacts) {
   return push;
 }
 
+// what the hexes at a node give to it
+Vector3d sum_at(const Model& model, const HexColumns& elements, Eigen::Index node) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i)
+    sum += elements.col(model.corners[i] / 8).segment<3>(3 * (model.corners[i] % 8));
+  return sum;
+}
+
 // energy and gradient of one limit of a hex whose elastic ones are known
 void evaluate_limit(const StepProblem& problem, int l, const HexBatch& batch, int lane, Evaluation& evaluation) {
   const Model& model = *problem.model;
@@ -143,8 +151,14 @@ void evaluate(const StepProblem& problem, const Points& positions, Evaluation& e
     evaluate_hexes(model, solver.rotation, positions, begin, end, keep);
     if (damped) evaluate_damping(problem, positions, begin, end, evaluation.damping);
   });
-  evaluation.internal = gather(model, evaluation.elastic);
-  if (damped) evaluation.internal += gather(model, evaluation.damping);
+  evaluation.internal.resize(3 * model.num_nodes());
+  parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index node = begin; node < end; ++node) {
+      auto internal = evaluation.internal.segment<3>(3 * node);
+      internal = sum_at(model, evaluation.elastic, node);
+      if (damped) internal += sum_at(model, evaluation.damping, node);
+    }
+  });
   add_spring_gradient(model, problem.pins, positions, evaluation.internal);
 }
 
@@ -152,9 +166,7 @@ VectorXd gather(const Model& model, const HexColumns& elements) {
   VectorXd nodal = VectorXd::Zero(3 * model.num_nodes());
   if (elements.cols() == 0) return nodal;
   parallel_blocks(model.num_nodes(), nodes_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index node = begin; node < end; ++node)
-      for (int i = model.corner_starts[node]; i < model.corner_starts[node + 1]; ++i)
-        nodal.segment<3>(3 * node) += elements.col(model.corners[i] / 8).segment<3>(3 * (model.corners[i] % 8));
+    for (Eigen::Index node = begin; node < end; ++node) nodal.segment<3>(3 * node) = sum_at(model, elements, node);
   });
   return nodal;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/parallel.h"
 #include "core/step/contact_forces.h"
 
 namespace umax {
@@ -91,15 +92,30 @@ class Numbering {
 // (A + G C^-1 G^T)^-1 = A^-1 - A^-1 G S^-1 G^T A^-1,  S = C + G^T A^-1 G, between nodes of the last level. G: terms of no
 // group, as the springs of held contacts take no part in what a contact's whole force does.
 MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& terms, const std::vector<int>& slots) {
+  constexpr Eigen::Index columns_per_task = 24;
   const std::vector<int>& all = multigrid.dense_slots;
   const auto is_free = [&](int slot) { return multigrid.levels.back().matrix.diagonal[slot] > 0; };
-  MatrixXd half = MatrixXd::Zero(3 * Eigen::Index(all.size()), 3 * Eigen::Index(slots.size()));  // L^-1 of A = L L^T
-  for (std::size_t i = 0; i < slots.size(); ++i)
-    if (is_free(slots[i]))
-      half.block<3, 3>(3 * (std::lower_bound(all.begin(), all.end(), slots[i]) - all.begin()), 3 * Eigen::Index(i))
-          .setIdentity();
-  multigrid.dense.matrixL().solveInPlace(half);
-  MatrixXd inverse = half.transpose() * half;
+  const auto rows = 3 * Eigen::Index(all.size()), columns = 3 * Eigen::Index(slots.size());
+  std::vector<Eigen::Index> first_rows;  // of the slots
+  for (const int slot : slots) first_rows.push_back(3 * (std::lower_bound(all.begin(), all.end(), slot) - all.begin()));
+  MatrixXd half = MatrixXd::Zero(rows, columns);  // L^-1 at the slots' columns, which are zero before their own rows
+  parallel_blocks(columns, columns_per_task, [&](Eigen::Index begin, Eigen::Index end) {
+    Eigen::Index first = rows;
+    for (Eigen::Index slot = begin / 3; slot < end / 3; ++slot) {
+      if (!is_free(slots[std::size_t(slot)])) continue;
+      half.block<3, 3>(first_rows[std::size_t(slot)], 3 * slot).setIdentity();
+      first = std::min(first, first_rows[std::size_t(slot)]);
+    }
+    solve_lower(multigrid.dense, half.middleCols(begin, end - begin), first);
+  });
+  const auto square_of = [&](const MatrixXd& factors) {
+    MatrixXd square(columns, columns);
+    parallel_blocks(columns, columns_per_task, [&](Eigen::Index begin, Eigen::Index end) {
+      square.middleCols(begin, end - begin).noalias() = factors.transpose() * factors.middleCols(begin, end - begin);
+    });
+    return square;
+  };
+  MatrixXd inverse = square_of(half);
   if (!terms.has_dense) return inverse;
   const SaddlePointLevel& level = terms.levels.back();
   std::vector<int> single;
@@ -111,7 +127,7 @@ MatrixXd last_inverse(const Multigrid& multigrid, const SaddlePointMultigrid& te
   S.selfadjointView<Eigen::Lower>().rankUpdate(half_responses.transpose());
   MatrixXd through_terms = half_responses.transpose() * half;
   Eigen::LLT<MatrixXd>(S).matrixL().solveInPlace(through_terms);
-  inverse -= through_terms.transpose() * through_terms;
+  inverse -= square_of(through_terms);
   return inverse;
 }
 
@@ -219,15 +235,46 @@ VectorXd apply_unmeasured(const BpxContactCompliance& compliance, const VectorXd
   return motions;
 }
 
-// B between all contacts
+// B between all contacts, which have one body
 MatrixXd dense_matrix(const BpxContactCompliance& compliance) {
+  struct Lever {  // of a contact, at a node
+    int contact = 0;
+    double weight = 0;
+  };
   const int count = int(compliance.blocks.size());
-  MatrixXd matrix(3 * count, 3 * count);
-  for (int column = 0; column < 3 * count; ++column) {
-    Motion motion = at_rest(compliance);
-    push(compliance, column / 3, Vector3d::Unit(column % 3), motion);
-    for (int i = 0; i < count; ++i) matrix.col(column).segment<3>(3 * i) = motion_of(compliance, i, motion);
-  }
+  std::vector<std::vector<Lever>> of_nodes(compliance.inverses.size()),
+      of_last(std::size_t(compliance.last_rows[0] / 3));
+  const auto add_levers = [](int contact, double sign, const Share& share, std::vector<std::vector<Lever>>& levers) {
+    for (int n = 0; n < 8; ++n) levers[share.nodes[n]].push_back({contact, sign * share.weights[n]});
+  };
+  const auto for_each_point = [&](int contact, const auto& visit) {
+    for (int p = compliance.first_point[contact]; p < compliance.first_point[contact + 1]; ++p)
+      visit(compliance.points[p]);
+  };
+  for (int i = 0; i < count; ++i)
+    for_each_point(i, [&](const BpxContactCompliance::Point& point) {
+      for (const Share& share : point.shares) add_levers(i, point.sign, share, of_nodes);
+      if (point.last_motion.size() > 0) add_levers(i, point.sign, point.last, of_last);
+    });
+  MatrixXd matrix = MatrixXd::Zero(3 * count, 3 * count);
+  constexpr Eigen::Index grain = 8;  // contacts per task
+  parallel_blocks(count, grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (int i = int(begin); i < int(end); ++i) {
+      auto columns = matrix.middleCols<3>(3 * i);  // how all move under a force at contact i
+      for_each_point(i, [&](const BpxContactCompliance::Point& point) {
+        for (const Share& share : point.shares)
+          for (int n = 0; n < 8; ++n) {
+            const Matrix3d motion = point.sign * share.weights[n] * compliance.inverses[share.nodes[n]];
+            for (const Lever& lever : of_nodes[share.nodes[n]])
+              columns.middleRows<3>(3 * lever.contact) += lever.weight * motion;
+          }
+        for (std::size_t node = 0; 3 * Eigen::Index(node) < point.last_motion.rows(); ++node) {
+          const Matrix3d motion = point.sign * point.last_motion.middleRows<3>(3 * Eigen::Index(node));
+          for (const Lever& lever : of_last[node]) columns.middleRows<3>(3 * lever.contact) += lever.weight * motion;
+        }
+      });
+    }
+  });
   return 0.5 * (matrix + matrix.transpose());
 }
 

@@ -12,8 +12,8 @@
 #include "tests/support/systems_with_terms.h"
 
 using namespace umax;
-using test::dense_term, test::random_terms, test::strain_terms, test::Resting, test::Solved, test::solve_from_rest,
-    test::solve_on, test::system_at_rest;
+using test::dense_term, test::leave_unfactored, test::random_terms, test::strain_terms, test::Resting, test::Solved,
+    test::solve_from_rest, test::solve_on, test::system_at_rest;
 
 TEST_CASE("the saddle-point system is solved with terms 1e6 times stiffer than the matrix, in few iterations") {
   const Model model = Resting().model;
@@ -74,8 +74,7 @@ namespace {
 int bar_iterations(int finer, double tolerance, bool may_factor) {
   const Model model = make_model({test::make_block({5 * finer, 5 * finer, 24 * finer}, {0, 0, 0}, 0.1 / finer)}, {});
   MultigridSystem system = system_at_rest(model, strain_terms(model));
-  if (!may_factor)
-    for (SaddlePointLevel& level : system.bodies.front().terms.levels) level.complement.is_factored = false;
+  if (!may_factor) leave_unfactored(system.bodies.front());
   test::Random random(5);
   VectorXd b(3 * model.num_nodes());
   for (double& value : b) value = random.uniform(-1, 1);

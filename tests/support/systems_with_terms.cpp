@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/linear/bricks/hadamard_hex.h"
 #include "tests/support/begun_step.h"
 #include "tests/support/hex_samples.h"
 
@@ -41,6 +42,15 @@ MultigridSystem system_at_rest(const Model& model, const std::vector<RankOneTerm
   MultigridSystem system = make_multigrid_system(model);
   set_up(begun.problem, begun.state.positions, VectorXd::Zero(model.num_hexes()), terms, system);
   return system;
+}
+
+void leave_unfactored(BodyGrid& grid) {
+  for (std::size_t depth = 0; depth < grid.terms.levels.size(); ++depth) {
+    SaddlePointLevel& of_terms = grid.terms.levels[depth];
+    const MultigridLevel& level = grid.multigrid.levels[depth];
+    const auto damping = float(1.9 / largest_jacobi_eigenvalue(level.shape));  // as in smoothing steps
+    set_up(level, of_terms.terms, of_terms.own, damping, of_terms.complement, 0);
+  }
 }
 
 Solved solve_on(const Model& model, const SaddlePointOptions& options, MultigridSystem& system) {

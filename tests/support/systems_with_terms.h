@@ -19,6 +19,9 @@ VectorXd dense_term(const Model& model, const RankOneTerm& term);
 /// The system of a model in its rest shape.
 MultigridSystem system_at_rest(const Model& model, const std::vector<RankOneTerm>& terms);
 
+/// Sets up the Schur complements of all levels again, as where terms are too many for factors.
+void leave_unfactored(BodyGrid& grid);
+
 struct Solved : LinearSolution, SaddlePointReport {};
 
 /// Solves on, or from zero with a right-hand side of 3 #N.

@@ -83,11 +83,13 @@ double run(const HexOperator& op, const HexConstants<T>& constants, const HexMat
                              [&](const BrickRun* first, const BrickRun* last) { return function(sweep, first, last); });
 }
 
-/// to = from, on all threads.
+/// to = from at nodes, on all threads; both are zero elsewhere.
 inline void copy(const BrickLattice& lattice, const AlignedArray<float>& from, AlignedArray<float>& to) {
-  constexpr std::size_t brick_values = brick_slots * vector_components;
+  constexpr std::size_t line_values = brick_lanes * vector_components;
   for_each_column(lattice, [&](int first, int last) {
-    std::copy(from.data() + first * brick_values, from.data() + last * brick_values, to.data() + first * brick_values);
+    for (std::size_t line = std::size_t(first) * brick_lines; line < std::size_t(last) * brick_lines; ++line)
+      if (lattice.node_masks[line] != 0)
+        std::copy_n(from.data() + line * line_values, line_values, to.data() + line * line_values);
     return 0.0;
   });
 }

@@ -16,6 +16,14 @@ struct BlockInversion {
   float* inverse = nullptr;
 };
 
+/// x = gain D^-1 b at nodes; elsewhere x is left as it is.
+struct BlockJacobi {
+  const std::uint16_t* node_masks = nullptr;  // of BrickLattice
+  const float *inverse = nullptr, *b = nullptr;
+  float gain = 0;
+  float* x = nullptr;
+};
+
 /// Which bricks of the finer lattice a coarse one lies on, along each axis from one before it: 0 where there is none.
 struct BrickParents {
   std::int32_t fine[27] = {};  // [(di + 1) 9 + (dj + 1) 3 + dk + 1]
@@ -82,8 +90,7 @@ struct MultigridKernels {
   /// fine += P coarse at free nodes, over fine bricks.
   void (*prolong)(const Transfer&, const float* coarse, const float* diagonal, float* fine, int first,
                   int last) = nullptr;
-  /// x = gain D^-1 b.
-  void (*block_jacobi)(const float* inverse, const float* b, float gain, float* x, int first, int last) = nullptr;
+  void (*block_jacobi)(const BlockJacobi&, int first, int last) = nullptr;
   /// p = z + beta p.
   void (*turn)(const float* z, float beta, float* p, int first, int last) = nullptr;
   /// Over slices.

@@ -162,16 +162,18 @@ inline void prolong(const Transfer& t, const float* coarse, const float* diagona
     }
 }
 
-inline void block_jacobi(const float* inverse, const float* b, float gain, float* x, int first, int last) {
+inline void block_jacobi(const BlockJacobi& task, int first, int last) {
   for (std::size_t line = std::size_t(first) * brick_lines; line < std::size_t(last) * brick_lines; ++line)
-    for (int lane = 0; lane < brick_lanes; lane += width<float>) {
+    for (int v = 0; v < vectors<float>; ++v) {
+      if (!has_any<float>(task.node_masks[line], v)) continue;
+      const int lane = v * width<float>;
       F d[inverse_components], r[3];
       for (int q = 0; q < inverse_components; ++q)
-        d[q] = load<float>(inverse + (line * inverse_components + q) * brick_lanes + lane);
-      for (int c = 0; c < 3; ++c) r[c] = gain * load<float>(b + (line * 3 + c) * brick_lanes + lane);
+        d[q] = load<float>(task.inverse + (line * inverse_components + q) * brick_lanes + lane);
+      for (int c = 0; c < 3; ++c) r[c] = task.gain * load<float>(task.b + (line * 3 + c) * brick_lanes + lane);
       const F z[3] = {d[0] * r[0] + d[1] * r[1] + d[2] * r[2], d[1] * r[0] + d[3] * r[1] + d[4] * r[2],
                       d[2] * r[0] + d[4] * r[1] + d[5] * r[2]};
-      for (int c = 0; c < 3; ++c) store<float>(x + (line * 3 + c) * brick_lanes + lane, z[c]);
+      for (int c = 0; c < 3; ++c) store<float>(task.x + (line * 3 + c) * brick_lanes + lane, z[c]);
     }
 }
 

@@ -189,10 +189,8 @@ bool factorize(const Eigen::SparseMatrix<double>& lower, std::vector<int> order,
 }
 
 void for_each_solve(Eigen::Index count, const std::function<void(Eigen::Index)>& visit) {
-  const Eigen::Index at_once = blas_is_reentrant() ? 1 : std::max<Eigen::Index>(1, count);
-  parallel_blocks(count, at_once, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index i = begin; i < end; ++i) visit(i);
-  });
+  if (blas_is_reentrant()) return parallel_in_order(count, visit);
+  for (Eigen::Index i = 0; i < count; ++i) visit(i);
 }
 
 struct SparseCholesky::Data {

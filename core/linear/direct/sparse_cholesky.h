@@ -46,9 +46,9 @@ class SparseCholesky {
   std::unique_ptr<Data> data_;
 };
 
-/// Calls visit(i) for 0 <= i < count, each of which may make factors of its own or solve with them: in parallel where the
-/// BLAS allows it, else one after the other. Debian's serial OpenBLAS does not, as its calls share buffers; its pthread one
-/// does. SparseCholesky::factorize() calls no BLAS: what does nothing else needs no such care.
+/// Calls visit(i) for 0 <= i < count, each of which may make factors of its own or solve with them: in parallel, begun in
+/// this order, where the BLAS allows it, else one after the other. Debian's serial OpenBLAS does not, as its calls share
+/// buffers; its pthread one does. SparseCholesky::factorize() calls no BLAS: what does nothing else needs no such care.
 void for_each_solve(Eigen::Index count, const std::function<void(Eigen::Index)>& visit);
 
 /// A Cholesky factor's columns in groups with the same rows, as CHOLMOD stores them: of group s the columns starts[s]

@@ -100,6 +100,7 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
 void set_up(Multigrid& multigrid) {
   set_up_levels(multigrid);
   factorize_last(multigrid);
+  set_up_stiff_cells(multigrid);
 }
 
 void set_up_levels(Multigrid& multigrid) {
@@ -107,6 +108,9 @@ void set_up_levels(Multigrid& multigrid) {
     if (depth > 0) coarsen_matrix(multigrid.levels[depth - 1], multigrid.levels[depth]);
     invert_blocks(multigrid.levels[depth]);
   }
+}
+
+void set_up_stiff_cells(Multigrid& multigrid) {
   const MultigridLevel& finest = multigrid.levels.front();
   if (multigrid.levels.size() > 1)
     multigrid.stiff_cell_smoother =
@@ -119,7 +123,8 @@ void set_up_levels(Multigrid& multigrid) {
 }
 
 void factorize_last(Multigrid& multigrid) {
-  if (multigrid.has_dense) multigrid.dense.compute(assemble(multigrid.levels.back(), multigrid.dense_slots));
+  if (multigrid.has_dense)
+    multigrid.dense = make_envelope_cholesky(assemble(multigrid.levels.back(), multigrid.dense_slots));
 }
 
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product) {

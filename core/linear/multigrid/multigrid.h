@@ -5,13 +5,13 @@
 // none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
 // Chebyshev polynomials in D^-1 A (Adams, Brezina, Hu, Tuminaro 2003), D = 3 x 3 diagonal blocks, on
 // [lambda / 8, lambda] with lambda the largest eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are
-// first coarsened along their short edges only. The last level is factored (dense Cholesky). Single stiff hexes are
-// solved for before and after (stiff_cell_smoother.h).
+// first coarsened along their short edges only. The last level is factored (core/linear/direct/envelope_cholesky.h).
+// Single stiff hexes are solved for before and after (stiff_cell_smoother.h).
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
+#include "core/linear/direct/envelope_cholesky.h"
 #include "core/linear/multigrid/multigrid_level.h"
 #include "core/linear/multigrid/stiff_cell_smoother.h"
 
@@ -27,7 +27,7 @@ struct Multigrid {
   std::vector<MultigridLevel> levels;  // finest first; fill levels[0].matrix, then set_up()
   std::vector<int> dense_slots;        // nodes of the last level
   bool has_dense = false;              // false: the last level is smoothed only (islands that no coarsening joins)
-  Eigen::LLT<MatrixXd> dense{MatrixXd()};
+  EnvelopeCholesky dense;
   double local_contrast = 0;
   StiffCellSmoother stiff_cell_smoother;  // of the finest level
   AlignedArray<float> corrected, rest;    // iterate and residual around the V-cycle, where there are stiff cells
@@ -39,10 +39,11 @@ Multigrid make_multigrid(BrickLattice lattice, double poisson, const MultigridOp
 /// Everything that follows from levels[0].matrix. Values as small as 1 / 1000 of each other are fine.
 void set_up(Multigrid& multigrid);
 
-/// The same in two parts, the second of which may be done beside what needs the first alone: the levels, and the factor of
-/// the last one, if it has one.
+/// The same in parts: the levels; then, beside what needs these alone, the factor of the last one, if it has one; and the
+/// single stiff hexes, which precondition() alone sees.
 void set_up_levels(Multigrid& multigrid);
 void factorize_last(Multigrid& multigrid);
+void set_up_stiff_cells(Multigrid& multigrid);
 
 /// z ~ A^-1 r, kept until the next call; `product` becomes r . z.
 const AlignedArray<float>& precondition(Multigrid& multigrid, const AlignedArray<float>& r, double& product);

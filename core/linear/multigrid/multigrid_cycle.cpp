@@ -28,7 +28,8 @@ int smooth_from_zero(MultigridLevel& level, const AlignedArray<float>& b, double
 
 AlignedArray<float>& solve_dense(Multigrid& multigrid, const AlignedArray<float>& b) {
   VectorXd x = dense_values(multigrid, b);
-  multigrid.dense.solveInPlace(x);
+  solve_lower(multigrid.dense, x);
+  solve_upper(multigrid.dense, x);
   return set_dense_values(x, multigrid);
 }
 
@@ -50,9 +51,8 @@ AlignedArray<float>& set_dense_values(const VectorXd& values, Multigrid& multigr
 }
 
 void jacobi_from_zero(MultigridLevel& level, const AlignedArray<float>& b, float gain) {
-  for_each_block(level.lattice(), [&](int first, int last) {
-    kernels_of(level).block_jacobi(level.inverse.data(), b.data(), gain, level.x[0].data(), first, last);
-  });
+  const BlockJacobi task{level.lattice().node_masks.data(), level.inverse.data(), b.data(), gain, level.x[0].data()};
+  for_each_block(level.lattice(), [&](int first, int last) { kernels_of(level).block_jacobi(task, first, last); });
 }
 
 void restrict_residual(Multigrid& multigrid, std::size_t depth, const AlignedArray<float>& b, int current) {

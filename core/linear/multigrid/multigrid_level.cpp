@@ -70,19 +70,31 @@ void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse) {
 
   // masses, those of fixed nodes included; then which nodes are fixed
   AlignedArray<float>& weights = fine.x[0];  // free at this time, and large enough
-  for (std::size_t slot = 0; slot < fine.matrix.diagonal.size(); ++slot)
-    weights[slot] = std::abs(fine.matrix.diagonal[slot]);
+  const auto own_slots = [&](const auto& visit) {
+    for_each_block(fine.lattice(), [&](int first, int last) {
+      for (std::size_t slot = std::size_t(first) * brick_slots; slot < std::size_t(last) * brick_slots; ++slot)
+        visit(slot);
+    });
+  };
+  own_slots([&](std::size_t slot) { weights[slot] = std::abs(fine.matrix.diagonal[slot]); });
   restrict_by(kernels_of(fine).restrict_numbers, fine, weights, coarse, coarse.matrix.diagonal);
-  std::fill(weights.begin(), weights.end(), 0.f);
-  for (std::size_t b = 1; b < coarse.lattice().bricks.size(); ++b)
+  own_slots([&](std::size_t slot) { weights[slot] = 0; });
+  const auto mark_fixed = [&](int b) {
     for (int slot = 0; slot < brick_slots; ++slot) {
       const Vector3i at = place_in_brick(slot).cwiseProduct(fine.factor);
       const int parent = (at[0] / brick_edge + 1) * 9 + (at[1] / brick_edge + 1) * 3 + at[2] / brick_lanes + 1;
       const std::size_t brick = std::size_t(fine.parents[b].fine[parent]);
       const int line = brick_edge * (at[0] % brick_edge) + at[1] % brick_edge;
-      float& w = coarse.matrix.diagonal[b * brick_slots + slot];
+      float& w = coarse.matrix.diagonal[std::size_t(b) * brick_slots + slot];
       if (fine.matrix.diagonal[brick * brick_slots + line * brick_lanes + at[2] % brick_lanes] < 0) w = -w;
     }
+  };
+  for_each_block(
+      coarse.lattice(),
+      [&](int first, int last) {
+        for (int b = first; b < last; ++b) mark_fixed(b);
+      },
+      coarse_bricks_per_block);
 }
 
 void invert_blocks(MultigridLevel& level) {

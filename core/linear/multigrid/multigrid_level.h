@@ -54,7 +54,7 @@ Transfer transfer_between(const MultigridLevel& fine, const MultigridLevel& coar
 void restrict_vector(const MultigridLevel& fine, const AlignedArray<float>& from, const MultigridLevel& coarse,
                      AlignedArray<float>& to);
 
-/// The coarse level's matrix from the fine one's; uses fine.x[0], and leaves it zero.
+/// The coarse level's matrix from the fine one's; overwrites fine.x[0] at nodes.
 void coarsen_matrix(MultigridLevel& fine, MultigridLevel& coarse);
 
 /// level.inverse = D^-1, the inverses of the matrix's 3 x 3 diagonal blocks.

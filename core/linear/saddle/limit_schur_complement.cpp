@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -13,7 +14,6 @@
 namespace umax {
 namespace {
 
-constexpr Eigen::Index most_factored = 10000;                         // terms
 constexpr ChebyshevOptions unfactored{.steps = 12, .interval = 150};  // more take as many iterations
 constexpr Eigen::Index grain = 64;                                    // hexes per task
 
@@ -51,17 +51,6 @@ std::vector<int> elimination_order(const RankOneTerms& terms) {
   return order;
 }
 
-// of the scaled matrix
-bool factorize(const RankOneTerms& terms, const TermLines& lines, const SlicedEllMatrix& matrix,
-               SupernodalFactor& factor) {
-  std::vector<Eigen::Triplet<double>> entries = lower_entries(terms, lines, matrix);
-  const Eigen::Index count = matrix.scale.size();
-  for (Eigen::Index t = 0; t < count; ++t) entries.emplace_back(t, t, 1.0);
-  Eigen::SparseMatrix<double> lower(count, count);
-  lower.setFromTriplets(entries.begin(), entries.end());
-  return factorize(lower, elimination_order(terms), factor);
-}
-
 // w D^-1 g of each term
 std::vector<RankOneTerms::Vector24f> responses_of(const MultigridLevel& grid, const RankOneTerms& terms, float w) {
   std::vector<RankOneTerms::Vector24f> responses(terms.vectors.size());
@@ -80,16 +69,20 @@ std::vector<RankOneTerms::Vector24f> responses_of(const MultigridLevel& grid, co
 }  // namespace
 
 void set_up(const MultigridLevel& grid, const RankOneTerms& terms, const VectorXf& own, float w,
-            LimitSchurComplement& S) {
+            LimitSchurComplement& S, Eigen::Index most_factored) {
   const TermLines lines = lines_of(terms);
-  S.matrix = make_sliced_ell_matrix(terms, lines, responses_of(grid, terms, w), own, grid.op.instruction_set);
-  S.is_factored = own.size() <= most_factored && factorize(terms, lines, S.matrix, S.factor);
+  const std::vector<RankOneTerms::Vector24f> responses = responses_of(grid, terms, w);
+  S.scale.resize(own.size());
+  for (Eigen::Index t = 0; t < own.size(); ++t)
+    S.scale[t] = 1 / std::sqrt(own[t] + responses[std::size_t(t)].dot(terms.vectors[std::size_t(t)]));
+  S.is_factored = own.size() <= most_factored &&
+                  factorize(lower_triangle(terms, lines, responses, S.scale), elimination_order(terms), S.factor);
+  if (!S.is_factored) S.matrix = make_sliced_ell_matrix(terms, lines, responses, S.scale, grid.op.instruction_set);
 }
 
 VectorXf solve(LimitSchurComplement& S, const VectorXf& b) {
   if (!S.is_factored) return solve(S.matrix, unfactored, b);
-  const VectorXf& scale = S.matrix.scale;
-  return scale.cwiseProduct(solve(S.factor, scale.cwiseProduct(b).cast<double>()).cast<float>());
+  return S.scale.cwiseProduct(solve(S.factor, S.scale.cwiseProduct(b).cast<double>()).cast<float>());
 }
 
 }  // namespace umax

@@ -13,14 +13,18 @@
 namespace umax {
 
 struct LimitSchurComplement {
-  SlicedEllMatrix matrix;
+  VectorXf scale;  // 1 / sqrt of its diagonal
   bool is_factored = false;
   SupernodalFactor factor;  // of the scaled matrix
+  SlicedEllMatrix matrix;   // the same where it is not factored
 };
 
-/// For terms on the level's lattice, whose matrix and inverse are known; own: C.
+inline constexpr Eigen::Index most_factored_terms = 10000;
+
+/// For terms on the level's lattice, whose matrix and inverse are known; own: C. Of more terms than are to be factored, or
+/// where S is singular to rounding, it is multiplied with.
 void set_up(const MultigridLevel& level, const RankOneTerms& terms, const VectorXf& own, float w,
-            LimitSchurComplement& S);
+            LimitSchurComplement& S, Eigen::Index most_factored = most_factored_terms);
 
 /// S^-1 b, where terms are many nearly.
 VectorXf solve(LimitSchurComplement& S, const VectorXf& b);

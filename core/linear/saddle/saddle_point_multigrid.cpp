@@ -109,8 +109,7 @@ void set_up_last(const Multigrid& multigrid, SaddlePointMultigrid& coupled) {
         G.block<3, 1>(3 * row, t) = level.terms.vectors[t].segment<3>(3 * n).cast<double>();
     }
   parallel_blocks(count, columns_per_block, [&](Eigen::Index begin, Eigen::Index end) {
-    auto columns = G.middleCols(begin, end - begin);
-    multigrid.dense.matrixL().solveInPlace(columns);
+    solve_lower(multigrid.dense, G.middleCols(begin, end - begin));
   });
   MatrixXd S = level.own.cast<double>().asDiagonal();
   S.selfadjointView<Eigen::Lower>().rankUpdate(G.transpose());
@@ -129,7 +128,7 @@ double weight_of(const MultigridLevel& grid, const SaddlePointLevel& level) {
       ++count;
     }
   if (count == 0) return 1;
-  const VectorXd scale = level.complement.matrix.scale.cast<double>();
+  const VectorXd scale = level.complement.scale.cast<double>();
   return scale.squaredNorm() / double(scale.size()) / (sum / double(count));
 }
 
@@ -171,14 +170,14 @@ float damping_of(const MultigridLevel& grid) {
 AlignedArray<float>& solve_last(Multigrid& multigrid, const SaddlePointMultigrid& coupled, const AlignedArray<float>& b,
                                 const VectorXf& q, VectorXf& y) {
   VectorXd x = dense_values(multigrid, b);
-  multigrid.dense.matrixL().solveInPlace(x);
+  solve_lower(multigrid.dense, x);
   if (q.size() > 0) {
     const MatrixXd& H = coupled.half_responses;
     const VectorXd solved = coupled.dense.solve(H.transpose() * x - q.cast<double>());
     y = solved.cast<float>();
     x -= H * solved;
   }
-  multigrid.dense.matrixU().solveInPlace(x);
+  solve_upper(multigrid.dense, x);
   return set_dense_values(x, multigrid);
 }
 
@@ -223,7 +222,10 @@ void set_up(Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coup
   const auto count = Eigen::Index(coupled.levels.front().terms.vectors.size());
   coupled.levels.front().own = VectorXf::Ones(count);
   coupled.has_dense = false;
-  if (count == 0) return factorize_last(multigrid);
+  if (count == 0) {
+    factorize_last(multigrid);
+    return set_up_stiff_cells(multigrid);
+  }
   for (std::size_t depth = 1; depth < multigrid.levels.size(); ++depth) {
     SaddlePointLevel coarse =
         coarser_terms(multigrid.levels[depth - 1], multigrid.levels[depth], coupled.levels.back());
@@ -242,8 +244,10 @@ void set_up(Multigrid& multigrid, RankOneTerms terms, SaddlePointMultigrid& coup
     const MultigridLevel& grid = multigrid.levels[depth];
     set_up(grid, level.terms, level.own, damping_of(grid), level.complement);
   };
-  for_each_solve(Eigen::Index(complements) + 1,
-                 [&](Eigen::Index part) { part == 0 ? set_up_dense() : set_up_complement(part - 1); });
+  // the longest parts first: the finest complement, then the last level
+  for_each_solve(Eigen::Index(complements) + 1, [&](Eigen::Index part) {
+    part == 1 ? set_up_dense() : set_up_complement(std::max<Eigen::Index>(0, part - 1));
+  });
   coupled.weight = weight_of(finest, coupled.levels.front());
   if (coupled.rest.size() == 0) coupled.rest = AlignedArray<float>(finest.x[0].size());
 }

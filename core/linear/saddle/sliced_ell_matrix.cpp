@@ -18,14 +18,32 @@ constexpr Eigen::Index terms_per_block = 4096;
 // corners that a cell shares with each one near it: its own, the other's
 using SharedCorners = std::array<std::vector<std::pair<int, int>>, num_near>;
 
-SharedCorners shared_corners() {
-  SharedCorners shared;
-  for (int d = 0; d < num_near; ++d)
-    for (int n = 0; n < 8; ++n)
-      for (int m = 0; m < 8; ++m)
-        if (corner(n) == Vector3i(d / 9 - 1, d / 3 % 3 - 1, d % 3 - 1) + corner(m)) shared[d].emplace_back(n, m);
-  return shared;
+const SharedCorners& shared_corners() {
+  static const SharedCorners all = [] {
+    SharedCorners shared;
+    for (int d = 0; d < num_near; ++d)
+      for (int n = 0; n < 8; ++n)
+        for (int m = 0; m < 8; ++m)
+          if (corner(n) == Vector3i(d / 9 - 1, d / 3 % 3 - 1, d % 3 - 1) + corner(m)) shared[d].emplace_back(n, m);
+    return shared;
+  }();
+  return all;
 }
+
+// entry (t, u) of the scaled matrix, u in the hex in direction d
+struct ScaledEntries {
+  const SharedCorners& shared;
+  const RankOneTerms& terms;
+  const std::vector<RankOneTerms::Vector24f>& responses;
+  const VectorXf& scale;
+
+  float at(int t, int u, int d) const {
+    float product = 0;
+    for (const auto& [n, m] : shared[d])
+      product += responses[t].segment<3>(3 * n).dot(terms.vectors[u].segment<3>(3 * m));
+    return product * scale[t] * scale[u];
+  }
+};
 
 using Place = TermLines::Place;
 
@@ -117,9 +135,9 @@ void number_slices(const RankOneTerms& terms, const TermLines& lines, SlicedEllM
   std::partial_sum(matrix.starts.begin(), matrix.starts.end(), matrix.starts.begin());
 }
 
-// Fills the numbered entries: value(t, u, d) of the scaled matrix.
-template <class Value>
-void set_entries(const RankOneTerms& terms, const TermLines& lines, const Value& value, SlicedEllMatrix& matrix) {
+// Fills the numbered entries.
+void set_entries(const TermLines& lines, const ScaledEntries& all, SlicedEllMatrix& matrix) {
+  const RankOneTerms& terms = all.terms;
   matrix.places.assign(std::size_t(matrix.starts.back()), 0);
   matrix.entries.assign(std::size_t(matrix.starts.back()) * brick_lanes, 0);
   VectorXf row_sums = VectorXf::Ones(matrix.scale.size());
@@ -134,7 +152,7 @@ void set_entries(const RankOneTerms& terms, const TermLines& lines, const Value&
           for (int u = near.first; u < near.end; ++u) {
             if (t == u) continue;
             const int number = entries.at(t - own.first, d, u - near.first);
-            const float entry = std::clamp(value(t, u, d), -1.f, 1.f);
+            const float entry = std::clamp(all.at(t, u, d), -1.f, 1.f);
             row_sums[t] += std::abs(entry);
             matrix.places[number] = (slices + u - near.first) * slice_stride + d % 3;
             matrix.entries[std::size_t(number) * brick_lanes + lane] = std::int16_t(std::lrint(entry_scale * entry));
@@ -207,24 +225,13 @@ TermLines lines_of(const RankOneTerms& terms) {
 }
 
 SlicedEllMatrix make_sliced_ell_matrix(const RankOneTerms& terms, const TermLines& lines,
-                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& diagonal,
+                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& scale,
                                        InstructionSet instruction_set) {
-  static const SharedCorners shared = shared_corners();
   SlicedEllMatrix matrix;
   matrix.instruction_set = instruction_set;
-  matrix.scale.resize(diagonal.size());
-  for (Eigen::Index t = 0; t < diagonal.size(); ++t)
-    matrix.scale[t] = 1 / std::sqrt(diagonal[t] + responses[std::size_t(t)].dot(terms.vectors[std::size_t(t)]));
+  matrix.scale = scale;
   number_slices(terms, lines, matrix);
-  set_entries(
-      terms, lines,
-      [&](int t, int u, int d) {
-        float product = 0;
-        for (const auto& [n, m] : shared[d])
-          product += responses[t].segment<3>(3 * n).dot(terms.vectors[u].segment<3>(3 * m));
-        return product * matrix.scale[t] * matrix.scale[u];
-      },
-      matrix);
+  set_entries(lines, {shared_corners(), terms, responses, scale}, matrix);
   return matrix;
 }
 
@@ -233,21 +240,40 @@ EllSlices slices_of(const SlicedEllMatrix& matrix) {
           matrix.places.data(), matrix.entries.data(), 1 / entry_scale};
 }
 
-std::vector<Eigen::Triplet<double>> lower_entries(const RankOneTerms& terms, const TermLines& lines,
-                                                  const SlicedEllMatrix& matrix) {
-  std::vector<Eigen::Triplet<double>> lower;
-  LineEntries entries;
-  for (int line = 0; line < lines.count(); ++line) {
-    number_entries(terms, lines, line, matrix.starts[lines.first_slices[line]], entries);
-    for_each_pair(lines, line, [&](int lane, int hex, int d, int other) {
-      const RankOneTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
-      for (int t = own.first; t < own.end; ++t)
-        for (int u = near.first; u < std::min(t, near.end); ++u) {
-          const int number = entries.at(t - own.first, d, u - near.first);
-          lower.emplace_back(t, u, matrix.entries[std::size_t(number) * brick_lanes + lane] / double(entry_scale));
-        }
+Eigen::SparseMatrix<double> lower_triangle(const RankOneTerms& terms, const TermLines& lines,
+                                           const std::vector<RankOneTerms::Vector24f>& responses,
+                                           const VectorXf& scale) {
+  const ScaledEntries all{shared_corners(), terms, responses, scale};
+  const auto count = Eigen::Index(scale.size());
+  Eigen::SparseMatrix<double> lower(count, count);
+  int* const starts = lower.outerIndexPtr();
+  // calls visit(t, u, d) for all t of hexes in a block of lines and all u > t near them
+  const auto for_each_below = [&](Eigen::Index begin, Eigen::Index end, const auto& visit) {
+    for (int line = int(begin); line < int(end); ++line)
+      for_each_pair(lines, line, [&](int, int hex, int d, int other) {
+        const RankOneTerms::Hex &own = terms.hexes[hex], &near = terms.hexes[other];
+        for (int t = own.first; t < own.end; ++t)
+          for (int u = std::max(t + 1, near.first); u < near.end; ++u) visit(t, u, d);
+      });
+  };
+  std::fill_n(starts, count + 1, 1);  // the diagonal
+  starts[0] = 0;
+  parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for_each_below(begin, end, [&](int t, int, int) { ++starts[t + 1]; });
+  });
+  std::partial_sum(starts, starts + count + 1, starts);
+  lower.resizeNonZeros(starts[count]);
+  int* const rows = lower.innerIndexPtr();
+  double* const values = lower.valuePtr();
+  std::vector<int> next(starts, starts + count);
+  for (int t = 0; t < int(count); ++t) rows[next[t]] = t, values[next[t]++] = 1;
+  parallel_blocks(lines.count(), grain, [&](Eigen::Index begin, Eigen::Index end) {
+    for_each_below(begin, end, [&](int t, int u, int d) {
+      int at = next[t]++;
+      for (; rows[at - 1] > u; --at) rows[at] = rows[at - 1], values[at] = values[at - 1];
+      rows[at] = u, values[at] = double(all.at(t, u, d));
     });
-  }
+  });
   return lower;
 }
 

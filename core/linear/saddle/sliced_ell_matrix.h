@@ -43,22 +43,24 @@ struct SlicedEllMatrix {
   std::vector<std::int32_t> below, above, starts, places;  // as EllSlices
   std::vector<std::int16_t> entries;
   std::vector<int> lanes;      // of each term
-  VectorXf scale;              // 1 / sqrt of the diagonal
+  VectorXf scale;              // of its rows and columns, as handed in
   float largest = 1;           // no eigenvalue of the scaled matrix is larger
   VectorXf rest, x, moves[2];  // while solving: of the lanes, and with the lanes beside
 };
 
-/// G^T B G + C; responses: B's of each term, zero but for the hex's nodes; diagonal: C.
+/// The off-diagonal entries of G^T B G; responses: B's of each term, zero but for the hex's nodes; scale: 1 / sqrt of the
+/// diagonal.
 SlicedEllMatrix make_sliced_ell_matrix(const RankOneTerms& terms, const TermLines& lines,
-                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& diagonal,
+                                       const std::vector<RankOneTerms::Vector24f>& responses, const VectorXf& scale,
                                        InstructionSet instruction_set);
 
 /// As the kernels see it.
 EllSlices slices_of(const SlicedEllMatrix& matrix);
 
-/// Entries (t, u) of the scaled matrix, t > u.
-std::vector<Eigen::Triplet<double>> lower_entries(const RankOneTerms& terms, const TermLines& lines,
-                                                  const SlicedEllMatrix& matrix);
+/// The same matrix as compressed columns of its lower triangle, with the diagonal, for a factor.
+Eigen::SparseMatrix<double> lower_triangle(const RankOneTerms& terms, const TermLines& lines,
+                                           const std::vector<RankOneTerms::Vector24f>& responses,
+                                           const VectorXf& scale);
 
 /// x ~ A^-1 b by steps of Chebyshev's iteration, which reduce the error at eigenvalues of the scaled matrix from the
 /// largest one down to that over `interval`.
