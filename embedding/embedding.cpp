@@ -209,11 +209,13 @@ Points nodal_forces(const EmbeddedPoints& points, const Hexes& hexes, Eigen::Ind
 
 Points deform_points(const EmbeddedPoints& points, const Hexes& hexes, const Points& nodes) {
   Points positions(points.size(), 3);
-  for (Eigen::Index p = 0; p < points.size(); ++p) {
-    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-    for (int n = 0; n < 8; ++n) x += points.weights(p, n) * nodes.row(hexes(points.hex[p], n));
-    positions.row(p) = x;
-  }
+  parallel_blocks(points.size(), block_size, [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index p = first; p < last; ++p) {
+      Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+      for (int n = 0; n < 8; ++n) x += points.weights(p, n) * nodes.row(hexes(points.hex[p], n));
+      positions.row(p) = x;
+    }
+  });
   return positions;
 }
 
