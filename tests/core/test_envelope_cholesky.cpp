@@ -1,5 +1,5 @@
 // The factor of a matrix whose columns end early, against Eigen's dense one.
-#include "core/linear/direct/envelope_cholesky.h"
+#include "core/linear/multigrid/envelope_cholesky.h"
 
 #include <Eigen/Cholesky>
 

@@ -5,13 +5,13 @@
 // none; R: polar factor of sum s R; w: P^T w); a coarse node is fixed if the fine one at its place is. Smoother:
 // Chebyshev polynomials in D^-1 A (Adams, Brezina, Hu, Tuminaro 2003), D = 3 x 3 diagonal blocks, on
 // [lambda / 8, lambda] with lambda the largest eigenvalue of D^-1 K of one cell, a bound for the whole. Flat cells are
-// first coarsened along their short edges only. The last level is factored (core/linear/direct/envelope_cholesky.h).
+// first coarsened along their short edges only. The last level is factored (core/linear/multigrid/envelope_cholesky.h).
 // Single stiff hexes are solved for before and after (stiff_cell_smoother.h).
 #pragma once
 
 #include <vector>
 
-#include "core/linear/direct/envelope_cholesky.h"
+#include "core/linear/multigrid/envelope_cholesky.h"
 #include "core/linear/multigrid/multigrid_level.h"
 #include "core/linear/multigrid/stiff_cell_smoother.h"
 

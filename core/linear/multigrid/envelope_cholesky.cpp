@@ -1,4 +1,4 @@
-#include "core/linear/direct/envelope_cholesky.h"
+#include "core/linear/multigrid/envelope_cholesky.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
