@@ -36,8 +36,11 @@ HeldContacts hold_contacts(const StepProblem& problem, const Linearisation& at, 
     const double stiffness =
         spring_share * contact_penalty(problem, contact) * stiffening_of(*problem.model, at, contact.support.hex);
     const Vector3d so_far = before.segment<3>(3 * Eigen::Index(i));
-    held.push_back({i, normal, stiffness, -(rows[i].bias + normal.dot(so_far)), along_normal});
-    const double friction = (contact.force - pushes * normal).norm();
+    const double gap = rows[i].bias + normal.dot(so_far);
+    if (!(pushes - stiffness * gap > 0)) continue;
+    held.push_back({i, normal, stiffness, -gap, along_normal});
+    const Vector3d slip = so_far - normal.dot(so_far) * normal;
+    const double friction = (contact.force - pushes * normal - stiffness * slip).norm();
     if (!(friction < sticking_share * contact.friction * pushes)) continue;
     const Vector3d first = a_tangent(normal), second = normal.cross(first);
     held.push_back({i, first, stiffness, -first.dot(so_far), along_tangents[0]});

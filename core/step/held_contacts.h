@@ -8,6 +8,10 @@
 //   (A + sum g g^T) dx = J^T p - grad,   g = sqrt(R) J^T d,   force along d:  p.d - R d.w,   w = J dx
 // d: a direction in which the contact is held: its normal, and both tangents where it sticks.
 //
+// Which contacts push and stick is told by what their springs would bear where the iterate is: p - R times the gap, and R times
+// the way that the contact has slid. One that slides may bear a little less friction than it could, as far as forces are
+// solved; a spring would tear it back to where the step began.
+//
 // A contact that opens or slides after all is pushed by p against its spring, as far as the compliance foretells; where that
 // goes wrong, the subproblem begins anew without springs.
 #pragma once

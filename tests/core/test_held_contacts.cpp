@@ -76,6 +76,24 @@ TEST_CASE("contacts that push are held along their normals, and where they stick
   }
 }
 
+TEST_CASE(
+    "contacts that have slid too far to stick are held along their normals alone, and such as stand off not at all") {
+  Landing landing(limited_block());
+  std::vector<Contact>& contacts = landing.iterate.contacts;
+  for (Contact& contact : contacts) contact.force = {0, 1, 0};
+  const Points positions = landing.iterate.positions;
+  const auto directions_after = [&](const Vector3d& move) {
+    landing.iterate.positions = positions.rowwise() + move.transpose();
+    return hold_contacts(landing.problem, landing.at, landing.iterate).size();
+  };
+  REQUIRE(directions_after({0, 0, 0}) == 3 * contacts.size());
+  CHECK(directions_after({1e-9 * cell, 0, 0}) == 3 * contacts.size());
+  CHECK(directions_after({0.1 * cell, 0, 0}) == contacts.size());
+  CHECK(directions_after({0, 0, -0.1 * cell}) == contacts.size());
+  for (Contact& contact : contacts) contact.gap = 0.1 * cell;
+  CHECK(directions_after({0, 0, 0}) == 0);
+}
+
 TEST_CASE("springs push contacts as their terms push nodes") {
   Landing landing(limited_block());
   const Model& model = landing.model;
